@@ -97,7 +97,9 @@ const SupervisorOutput& Supervisor::update(const SupervisorInputs& inputs) noexc
   can_step_ = inputs.seen.followable.plan != PlanUse::none || inputs.seen.followable.gait;
   pose_rad_ = measured_pose_rad(measured_, pose_rad_);
   output_.entered = output_.start_controller = false;
+  shutting_down_ = inputs.shut_down;
   find_faults(inputs);
+  void_request_when_met(inputs.request);
   void_request_after_faults(inputs.request);
   watch_reset_window(inputs.request);
   give_up_waiting_to_stand(inputs.request);
@@ -129,6 +131,8 @@ void Supervisor::find_faults(const SupervisorInputs& inputs) noexcept {
   found.add_if(command_not_finite_, Fault::not_finite);
   command_not_finite_ = false;
   const FaultSet present = found & looked_for(inputs.seen);
+  const bool stopped_now = present.has(Fault::emergency_stop) && !output_.latched.has(Fault::emergency_stop);
+  if (stopped_now) stopped_ns_ = now_ns_;
   output_.raised = present - output_.present;
   output_.ended = output_.present - present;
   output_.present = present;
@@ -136,13 +140,17 @@ void Supervisor::find_faults(const SupervisorInputs& inputs) noexcept {
   output_.reaction = std::max(reaction(present), reaction(output_.latched));
 }
 
+/// A request for the state that the robot is in is met. Nothing gets there once more by itself after it left.
+void Supervisor::void_request_when_met(const Request& request) noexcept {
+  if (output_.state == goal(request.kind)) void_number_ = std::max(void_number_, request.number);
+}
+
 /// A reset that brings links back also brings back what their drivers have kept: it goes on. Without its host
 /// the robot still goes where it rests: to sit and off, which take their time, and stay asked for.
 void Supervisor::void_request_after_faults(const Request& request) noexcept {
   const FaultSet unforeseen = resetting_ ? output_.raised - kOfReplies : output_.raised;
   const bool new_latched = !(unforeseen & kLatching).empty();
-  const bool to_rest = request.kind == RequestKind::sit || request.kind == RequestKind::off;
-  const bool alone = output_.present.has(Fault::heartbeat_lost) && !to_rest;
+  const bool alone = output_.present.has(Fault::heartbeat_lost) && !leads_to_rest(request.kind);
   if (new_latched || alone) void_number_ = std::max(void_number_, request.number);
 }
 
@@ -175,7 +183,7 @@ void Supervisor::give_up_waiting_to_stand(const Request& request) noexcept {
 
 bool Supervisor::requested(RequestKind kind, const Request& request) const noexcept {
   const bool steps = kind == RequestKind::step || kind == RequestKind::walk;
-  if (steps && !output_.latched.empty()) return false;  // on its way to sit
+  if (steps && (shutting_down_ || !output_.latched.empty())) return false;  // on its way to sit
   return request.kind == kind && request.number > void_number_;
 }
 
@@ -255,7 +263,10 @@ void Supervisor::move(const SupervisorInputs& inputs) noexcept {
 
 void Supervisor::enter(State state, const SupervisorInputs& inputs) noexcept {
   const State before = output_.state;
-  if (state == goal(inputs.request.kind)) void_number_ = std::max(void_number_, inputs.request.number);
+  const bool gave_up = before == State::stand && state == State::ready;
+  if (gave_up && !leads_to_rest(inputs.request.kind)) {
+    void_number_ = std::max(void_number_, inputs.request.number);
+  }
   if (before == State::fault && state == State::idle) {
     output_.latched = FaultSet();
     output_.reaction = reaction(output_.present);
@@ -294,7 +305,7 @@ Reaction Supervisor::reaction_of_level() const noexcept {
 /// After an emergency stop the robot settles damped; then the motors need no power until a reset.
 bool Supervisor::stopped_for_good() const noexcept {
   return output_.state == State::fault && output_.latched.has(Fault::emergency_stop) && !resetting_ &&
-         since_s(entered_ns_) >= parameters_.emergency_stop_damps_s;
+         since_s(std::max(stopped_ns_, entered_ns_)) >= parameters_.emergency_stop_damps_s;
 }
 
 void Supervisor::choose(const SupervisorInputs& inputs) noexcept {

@@ -16,8 +16,14 @@ namespace stilt::supervisor {
 /// once (category 0); a standing robot falls. Both end the program.
 enum class RequestKind : std::uint8_t { none, calibrate, stand, step, walk, sit, reset, off, cut };
 
+/// Both end where no joint needs torque. They take their time, and stay asked for without the host.
+[[nodiscard]] constexpr bool leads_to_rest(RequestKind kind) noexcept {
+  return kind == RequestKind::sit || kind == RequestKind::off;
+}
+
 /// What the operator wants last. A request stands until it is met, replaced by one with a higher number, or
-/// void. A fault and a lost heartbeat void what was asked for before, so that nothing moves again by itself.
+/// void. A fault, a lost heartbeat and a lost stance void what was asked for before, so that nothing moves
+/// again by itself.
 struct Request {
   RequestKind kind = RequestKind::none;
   std::uint32_t number = 0;  ///< counts requests from 1
@@ -87,6 +93,7 @@ class Supervisor {
 
   void find_faults(const SupervisorInputs& inputs) noexcept;
   [[nodiscard]] FaultSet looked_for(const Observation& seen) const noexcept;
+  void void_request_when_met(const Request& request) noexcept;
   void void_request_after_faults(const Request& request) noexcept;
   void watch_reset_window(const Request& request) noexcept;
   void give_up_waiting_to_stand(const Request& request) noexcept;
@@ -114,6 +121,7 @@ class Supervisor {
   std::int64_t level_ns_ = 0;          ///< the level
   std::int64_t hold_ns_ = 0;           ///< position control became active: hold, sit
   std::int64_t reset_ns_ = 0;          ///< a reset was asked for
+  std::int64_t stopped_ns_ = 0;        ///< the emergency stop was latched
   std::int64_t stand_asked_ns_ = 0;    ///< in ready
   std::uint32_t void_number_ = 0;      ///< requests up to this one are met or void
   hal::JointValues pose_rad_{};        ///< newest finite positions
@@ -125,6 +133,7 @@ class Supervisor {
   /// answers show that they have their power.
   bool was_up_ = false;
   bool started_ = false;
+  bool shutting_down_ = false;
   bool resetting_ = false;
   bool command_not_finite_ = false;
   bool fit_to_stand_ = false;

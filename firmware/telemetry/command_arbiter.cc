@@ -36,29 +36,27 @@ bool is_order(CommandKind kind) noexcept {
 
 bool stands_or_moves(State state) noexcept { return supervisor::tracks(state); }
 
-/// What an accepted command does not do now; empty: it does all.
-std::string caveat(CommandKind kind, const RobotNow& now) {
-  if (kind == CommandKind::stop && !stands_or_moves(now.state)) {
-    return std::string("the robot is in state ") + supervisor::name(now.state) +
-           ", where stop changes nothing";
-  }
-  if (kind != CommandKind::reset) return {};
-  std::string causes;
-  for (std::size_t row = 0; row < supervisor::kFaults; ++row) {
-    const supervisor::FaultRow& fault = supervisor::kFaultTable[row];
-    if (fault.severity != supervisor::Severity::latched ||
-        !now.present.has(static_cast<supervisor::Fault>(row))) {
-      continue;
-    }
-    causes += (causes.empty() ? "" : ", ") + std::string(fault.name);
-  }
-  return causes.empty() ? "" : "it takes effect when what causes " + causes + " is over";
+/// Orders that may move the robot; those make their sender the commander.
+bool moves(CommandKind kind) noexcept {
+  return is_order(kind) && kind != CommandKind::height && kind != CommandKind::tunable;
 }
+
+/// Names of the faults of a set whose reset it takes, separated by commas; empty: there are none.
+std::string latching(const supervisor::FaultSet& set) {
+  std::string names;
+  for (const supervisor::FaultRow& fault : supervisor::kFaultTable) {
+    if (fault.severity != supervisor::Severity::latched || !set.has(fault.fault)) continue;
+    names += (names.empty() ? "" : ", ") + std::string(fault.name);
+  }
+  return names;
+}
+
+std::string in_state(State state) { return std::string("the robot is in state ") + supervisor::name(state); }
 
 }  // namespace
 
 std::string wrong_state(CommandKind kind, State state) {
-  const std::string now = std::string("the robot is in state ") + supervisor::name(state);
+  const std::string now = in_state(state);
   switch (kind) {
     case CommandKind::prepare:
       return state == State::idle ? "" : now + "; drivers are brought up from idle";
@@ -77,6 +75,9 @@ std::string wrong_state(CommandKind kind, State state) {
       return stands_or_moves(state) ? "" : now + "; it sits down from stand";
     case CommandKind::reset:
       return state == State::fault ? "" : now + "; there is nothing to reset";
+    case CommandKind::height:
+    case CommandKind::tunable:
+      return state == State::off || state == State::watch ? now + "; no value changes there" : "";
     default:
       return state == State::off ? now : "";
   }
@@ -90,7 +91,9 @@ bool CommandArbiter::alive(const RobotNow& now) const noexcept {
   return !commander_.empty() && silence_s(now) <= rules_.supervisor.heartbeat_timeout_s;
 }
 
+/// After a cut nothing else is asked for, also when both came before the torque loop took the first.
 void CommandArbiter::ask(RequestKind kind, double speed_m_s) noexcept {
+  if (request_.kind == RequestKind::cut) return;
   request_ = {kind, request_.number + 1, speed_m_s};
 }
 
@@ -99,6 +102,31 @@ void CommandArbiter::stop(const RobotNow& now) noexcept {
   standing_up_ = false;
   script_ended_ = true;
   ask(stands_or_moves(now.state) ? RequestKind::stand : RequestKind::none);
+}
+
+bool CommandArbiter::waits_to_stand(State state) const noexcept {
+  return standing_up_ || (state == State::ready && request_.kind == RequestKind::stand);
+}
+
+/// What a stop drops that was asked for and has not begun; empty: nothing.
+std::string CommandArbiter::dropped_by_stop(State state) const {
+  if (waits_to_stand(state)) return "stand";
+  if (state == State::fault && request_.kind == RequestKind::reset) return "reset";
+  if (state == State::sit && request_.kind == RequestKind::off) return "switch off";
+  return {};
+}
+
+/// What an accepted command does not do now; empty: it does all. Before the command is applied.
+std::string CommandArbiter::caveat(CommandKind kind, const RobotNow& now) const {
+  if (kind == CommandKind::stop && !stands_or_moves(now.state)) {
+    const std::string dropped = dropped_by_stop(now.state);
+    if (dropped.empty()) return in_state(now.state) + ", where stop changes nothing";
+    return in_state(now.state) + ", and the request to " + dropped + " is dropped";
+  }
+  const std::string causes = kind == CommandKind::reset ? latching(now.present) : "";
+  if (causes.empty()) return {};
+  return causes + " is still there: this reset ends after " + number_text(rules_.supervisor.reset_window_s) +
+         " s; reset again when that is over";
 }
 
 /// Whether the sender gave the token or proved to have it. Texts that no commander sends cost no time.
@@ -168,6 +196,7 @@ std::string CommandArbiter::refusal(const Asked& asked, const RobotNow& now) {
 
 std::string CommandArbiter::refusal_of_order(const Asked& asked, CommandKind kind,
                                              const RobotNow& now) const {
+  if (request_.kind == RequestKind::cut || ending_) return "stiltd is ending, and takes no more orders";
   if (commander_ != asked.commander && alive(now)) {
     return commander_ + " commands the robot; it must release it or fall silent first";
   }
@@ -183,6 +212,9 @@ std::string CommandArbiter::refusal_of_order(const Asked& asked, CommandKind kin
     return std::string(name(kind)) + " needs supervisor.torque_limit_share of at least " +
            number_text(rules_.supervisor.walk_torque_share) + " (supervisor.walk_torque_share), and it is " +
            number_text(rules_.supervisor.torque_limit_share);
+  }
+  if (steps && stands_or_moves(now.state) && !now.latched.empty()) {
+    return latching(now.latched) + ": the robot is about to sit down; reset it then";
   }
   return wrong_state(kind, now.state);
 }
@@ -201,8 +233,10 @@ std::string CommandArbiter::apply(const Asked& asked, CommandKind kind, const Ro
       return {};
     case CommandKind::release:
       if (commander_ != asked.commander) return asked.commander + " is not in command";
-      if (now.state == State::step || now.state == State::walk) stop(now);
-      standing_up_ = false;
+      if (waits_to_stand(now.state) || request_.kind == RequestKind::step ||
+          request_.kind == RequestKind::walk) {
+        stop(now);  // what remains is the way to rest
+      }
       commander_.clear();
       return {};
     case CommandKind::height:
@@ -244,17 +278,19 @@ Answer CommandArbiter::take(const Asked& asked, const RobotNow& now) {
   reason = refusal(asked, now);
   if (!reason.empty()) return {false, false, std::move(reason)};
   const auto kind = static_cast<CommandKind>(asked.kind);
-  const bool moves = is_order(kind) && kind != CommandKind::height && kind != CommandKind::tunable;
-  if (moves && kind != CommandKind::stand) standing_up_ = false;
-  if (moves) {
+  std::string note = caveat(kind, now);
+  if (moves(kind)) {
+    if (kind != CommandKind::stand) standing_up_ = false;
     commander_ = asked.commander;
-    commander_lost_ = false;
     script_ended_ = true;
+  } else if (commander_.empty() && asked.commander == lost_commander_) {
+    commander_ = asked.commander;  // is back
   }
+  if (!commander_.empty()) lost_commander_.clear();
   if (asked.commander == commander_) heartbeat_wall_ns_ = now.wall_ns;
   reason = apply(asked, kind, now);
   if (!reason.empty()) return {false, false, std::move(reason)};
-  return {true, kind == CommandKind::heartbeat, caveat(kind, now)};
+  return {true, kind == CommandKind::heartbeat, std::move(note)};
 }
 
 void CommandArbiter::twist(double speed_m_s, const RobotNow& now) {
@@ -264,16 +300,16 @@ void CommandArbiter::twist(double speed_m_s, const RobotNow& now) {
 
 control_loop::OperatorCommand CommandArbiter::command(const control_loop::OperatorCommand& script,
                                                       const RobotNow& now) {
+  ending_ = script.shut_down;
   if (!script_ended_) {
     request_ = script.request;
     return script;
   }
   if (!commander_.empty() && silence_s(now) > rules_.release_s) {
-    stop(now);
-    commander_.clear();
-    commander_lost_ = true;
+    if (!supervisor::leads_to_rest(request_.kind)) stop(now);
+    lost_commander_ = std::exchange(commander_, {});
   }
-  if (standing_up_ && !alive(now)) {
+  if (waits_to_stand(now.state) && !alive(now)) {
     stop(now);
   } else if (standing_up_ && now.state == State::ready) {
     standing_up_ = false;
@@ -281,7 +317,7 @@ control_loop::OperatorCommand CommandArbiter::command(const control_loop::Operat
   }
   control_loop::OperatorCommand command = script;  // the end of the program is its business
   command.request = request_;
-  command.heartbeat_expected = !commander_.empty() || commander_lost_;
+  command.heartbeat_expected = !commander_.empty() || !lost_commander_.empty();
   command.heartbeat_ns = now.clock_ns - (now.wall_ns - heartbeat_wall_ns_);
   return command;
 }

@@ -55,12 +55,14 @@ struct RobotNow {
   std::int64_t wall_ns = 0;   ///< CLOCK_MONOTONIC, measures heartbeats
   supervisor::State state = supervisor::State::boot;
   supervisor::FaultSet present;  ///< faults whose cause is there
+  supervisor::FaultSet latched;  ///< those that wait for a reset
 };
 
 /// Who may command the robot, and what the torque loop is asked to do. One commander at a time: the one who
 /// gave the last order of motion and sends heartbeats. `stop` and `cut` are taken from everybody with the
 /// token. When its heartbeats stop for heartbeat_timeout_s, the supervisor makes walking stepping and
-/// stepping standing (heartbeat_lost), and another may command. After release_s there is no commander. Pure
+/// stepping standing (heartbeat_lost), and another may command. After release_s there is no commander, until
+/// one gives an order or the lost one is back. A robot that was asked to sit or to switch off goes on. Pure
 /// logic: no network, no clock, no thread. Ordinary threads.
 class CommandArbiter {
  public:
@@ -96,6 +98,10 @@ class CommandArbiter {
   [[nodiscard]] std::string apply(const Asked& asked, CommandKind kind, const RobotNow& now);
   void ask(supervisor::RequestKind kind, double speed_m_s = 0) noexcept;
   void stop(const RobotNow& now) noexcept;
+  /// A stand was asked for and has not begun.
+  [[nodiscard]] bool waits_to_stand(supervisor::State state) const noexcept;
+  [[nodiscard]] std::string dropped_by_stop(supervisor::State state) const;
+  [[nodiscard]] std::string caveat(CommandKind kind, const RobotNow& now) const;
   [[nodiscard]] double silence_s(const RobotNow& now) const noexcept;
 
   ArbiterRules rules_;
@@ -108,9 +114,10 @@ class CommandArbiter {
   std::string commander_;  ///< empty: none
   std::int64_t heartbeat_wall_ns_ = 0;
   supervisor::Request request_;
-  bool commander_lost_ = false;  ///< the last commander fell silent, and no other commands
-  bool script_ended_ = false;    ///< by the first command; the script is not followed any more
-  bool standing_up_ = false;     ///< after the bring-up: stand
+  std::string lost_commander_;  ///< the last one, which fell silent; empty: it released, or one commands
+  bool script_ended_ = false;   ///< by the first command; the script is not followed any more
+  bool standing_up_ = false;    ///< after the bring-up: stand
+  bool ending_ = false;         ///< stiltd
   bool rejected_ = false;
   std::int64_t rejected_wall_ns_ = 0;  ///< when somebody without the token was answered last
 };

@@ -120,7 +120,8 @@ Drops TelemetryNode::drops() const {
 RobotNow TelemetryNode::now() const {
   const auto wall = std::chrono::steady_clock::now().time_since_epoch();
   const std::int64_t wall_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(wall).count();
-  return {run_.lockstep ? newest_.time_ns : wall_ns, wall_ns, newest_.state, newest_.present};
+  return {run_.lockstep ? newest_.time_ns : wall_ns, wall_ns, newest_.state, newest_.present,
+          newest_.latched};
 }
 
 void TelemetryNode::begin(const control_loop::TickRecord& record) {

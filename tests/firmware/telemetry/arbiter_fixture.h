@@ -47,7 +47,8 @@ class CommandArbiterTest : public testing::Test {
   RobotNow now{.clock_ns = 5 * kSecond_ns,
                .wall_ns = 900 * kSecond_ns,
                .state = supervisor::State::stand,
-               .present = {}};
+               .present = {},
+               .latched = {}};
   control_loop::OperatorCommand script;
   std::uint64_t number = 0;
 };
