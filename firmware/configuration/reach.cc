@@ -7,6 +7,7 @@
 #include "firmware/control_loop/joint_names.h"
 #include "hal/robot/robot_wiring.h"
 #include "mpc_core/gait/reference.h"
+#include "mpc_core/model/leg_exchange.h"
 
 namespace stilt::configuration {
 namespace {
@@ -29,7 +30,8 @@ std::string sentence(std::size_t joint, const Need& need) {
 
 std::string rounded_text(double value) { return number_text(std::round(1e4 * value) / 1e4); }
 
-/// Where the robot stands up. Beyond their reach gait::leg_angles() takes the legs as straight.
+/// Where the robot stands up, either foot ahead. Beyond their reach gait::leg_angles() takes the legs as
+/// straight.
 void check_standing_pose(const control::ControllerParameters& parameters, const model::RobotConstants& robot,
                          std::vector<std::string>& found) {
   constexpr const char* kRight = "; give a pose in which this robot stands";
@@ -49,12 +51,14 @@ void check_standing_pose(const control::ControllerParameters& parameters, const 
   const model::StateVector standing =
       gait::standing_state(robot, height_m, parameters.reference.base_pitch_rad, half_width_m, true);
   for (int joint = 0; joint < model::kJoints; ++joint) {
-    const double angle_rad = standing[model::kFirstJoint + joint];
     const double least_rad = robot.position_min_rad[joint], most_rad = robot.position_max_rad[joint];
-    if (angle_rad >= least_rad && angle_rad <= most_rad) continue;
-    found.push_back(std::string(control_loop::kJointNames[joint]) + ": " + stance + " take it to " +
-                    rounded_text(angle_rad) + " rad, beyond its travel, " + number_text(least_rad) + " to " +
-                    number_text(most_rad) + " rad" + kRight);
+    for (const int ahead_or_behind : {joint, model::other_leg(joint, 0)}) {
+      const double angle_rad = standing[model::kFirstJoint + ahead_or_behind];
+      if (angle_rad >= least_rad && angle_rad <= most_rad) continue;
+      found.push_back(std::string(control_loop::kJointNames[joint]) + ": " + stance + " take it to " +
+                      rounded_text(angle_rad) + " rad, beyond its travel, " + number_text(least_rad) +
+                      " to " + number_text(most_rad) + " rad" + kRight);
+    }
   }
 }
 

@@ -49,7 +49,7 @@ constexpr Section kSections[] = {
     {"inequality",
      "Limits h >= 0, kept by relaxed logarithmic barriers: -weight ln h above the width, its quadratic\n"
      "continuation below. They are soft: a larger weight keeps further away, a larger width bends earlier."},
-    {"equality", "Constraints on the feet, met exactly at every node."},
+    {"equality", "Constraints on the feet, met to within sqp.violation_tolerance where a solve converges."},
     {"discretisation", "Time grid of the planning problem."},
     {"sqp",
      "Iterations of the solver; g is the root of the summed squared defects of dynamics and equality\n"
@@ -113,7 +113,8 @@ constexpr Entry kEntries[] = {
      real<&P::reference, &ReferenceParameters::base_height_m>(0.1, 2.0)},
     {"reference", "base_pitch_rad", "rad", "Pitch of the torso, positive leans forward",
      real<&P::reference, &ReferenceParameters::base_pitch_rad>(-0.7, 0.7)},
-    {"reference", "speed_ramp_m_s2", "m/s^2", "Rate of change of the speed reference",
+    {"reference", "speed_ramp_m_s2", "m/s^2",
+     "Rate of change of the speed reference; a stop takes at most 20 steps",
      real<&P::reference, &ReferenceParameters::speed_ramp_m_s2>(0.05, 20.0)},
     {"reference", "speed_follow_band_m_s", "m/s",
      "Largest difference of the speed reference from the measured speed",

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "host_tools/experiments/steps.h"
 #include "host_tools/experiments/table_text.h"
 #include "host_tools/experiments/walks.h"
 #include "host_tools/simulation/plant/number.h"
@@ -20,34 +21,49 @@ Json run_job(const HorizonPlan& plan, const std::string& controller, double hori
   walk.command = plan.command;
   walk.duration_s = plan.duration_s;
   const log::RunSummary summary = run(walk).summary;
+  const auto settled_step_m = [&](const char* foot) {
+    const auto length_m = mean_step_m(summary.steps, foot, 0.5 * plan.duration_s);
+    return summary.survived && length_m ? Json(*length_m) : Json(nullptr);
+  };
   return {{"controller", controller},
           {"horizon_s", horizon_s},
           {"seed", seed},
           {"survived", summary.survived},
           {"fall_time_s", summary.survived ? Json(nullptr) : Json(summary.fall_time_s)},
           {"mean_speed_m_s", summary.mean_speed_m_s},
+          {"step_length_left_m", settled_step_m("L")},
+          {"step_length_right_m", settled_step_m("R")},
           {"walks", walks(plan.command, summary)}};
+}
+
+/// Mean of a value over the seeds that survive; null without one.
+Json mean_of_survivors(std::span<const Json> seeds, const char* key) {
+  double sum = 0.0;
+  int count = 0;
+  for (const Json& result : seeds) {
+    if (!result.at("survived").get<bool>() || result.at(key).is_null()) continue;
+    sum += result.at(key).get<double>();
+    ++count;
+  }
+  return count > 0 ? Json(sum / count) : Json(nullptr);
 }
 
 /// Summary over the seeds of one horizon.
 Json tried_horizon(std::span<const Json> seeds) {
   bool all_walk = true;
-  int survivors = 0;
-  double speeds_m_s = 0.0;
   Json fall_time_s = nullptr;
   for (const Json& result : seeds) {
     all_walk = all_walk && result.at("walks").get<bool>();
-    if (result.at("survived").get<bool>()) {
-      ++survivors;
-      speeds_m_s += result.at("mean_speed_m_s").get<double>();
-    } else if (fall_time_s.is_null() || result.at("fall_time_s") < fall_time_s) {
+    if (result.at("survived").get<bool>()) continue;
+    if (fall_time_s.is_null() || result.at("fall_time_s") < fall_time_s)
       fall_time_s = result.at("fall_time_s");
-    }
   }
   return {{"horizon_s", seeds.front().at("horizon_s")},
-          {"survived", survivors == static_cast<int>(seeds.size())},
-          {"fall_time_s", std::move(fall_time_s)},
-          {"mean_speed_m_s", survivors > 0 ? Json(speeds_m_s / survivors) : Json(nullptr)},
+          {"survived", fall_time_s.is_null()},
+          {"fall_time_s", fall_time_s},
+          {"mean_speed_m_s", mean_of_survivors(seeds, "mean_speed_m_s")},
+          {"step_length_left_m", mean_of_survivors(seeds, "step_length_left_m")},
+          {"step_length_right_m", mean_of_survivors(seeds, "step_length_right_m")},
           {"walks", all_walk}};
 }
 
@@ -105,6 +121,8 @@ Json merge_horizons(const HorizonPlan& plan, const std::vector<Json>& results) {
     rows.push_back({{"controller", controller},
                     {"shortest_horizon_s", none ? Json(nullptr) : shortest->at("horizon_s")},
                     {"mean_speed_m_s", none ? Json(nullptr) : shortest->at("mean_speed_m_s")},
+                    {"step_length_left_m", none ? Json(nullptr) : shortest->at("step_length_left_m")},
+                    {"step_length_right_m", none ? Json(nullptr) : shortest->at("step_length_right_m")},
                     {"commanded_speed_m_s", plan.command.speed_m_s},
                     {"duration_s", plan.duration_s},
                     {"seeds", plan.seeds},
@@ -115,13 +133,16 @@ Json merge_horizons(const HorizonPlan& plan, const std::vector<Json>& results) {
 
 std::string horizon_table(const Json& merged) {
   std::string table =
-      "| controller | shortest horizon s | walks there at m/s | does not walk at the command at s |\n"
-      "|---|---|---|---|\n";
+      "| controller | shortest horizon s | walks there at m/s | with steps left, right m | does not walk at "
+      "the "
+      "command at s |\n"
+      "|---|---|---|---|---|\n";
   for (const Json& row : merged.at("rows")) {
     const Json& shortest = row.at("shortest_horizon_s");
     table += "| " + row.at("controller").get<std::string>() + " | " +
              (shortest.is_null() ? "none" : simulation::decimals_text(shortest)) + " | " +
-             cell(row.at("mean_speed_m_s"), "%.3f") + " | " + failures(row) + " |\n";
+             cell(row.at("mean_speed_m_s"), "%.3f") + " | " + cell(row.at("step_length_left_m"), "%.3f") +
+             ", " + cell(row.at("step_length_right_m"), "%.3f") + " | " + failures(row) + " |\n";
   }
   return table;
 }

@@ -21,16 +21,18 @@ struct HorizonPlan {
 [[nodiscard]] std::vector<double> tried_horizons_s();
 
 /// One job per controller, horizon and seed: {controller, horizon_s, seed, survived, fall_time_s,
-/// mean_speed_m_s, walks}.
+/// mean_speed_m_s, step_length_left_m, step_length_right_m, walks}. Steps are means of the second half, null
+/// where the robot falls.
 [[nodiscard]] std::vector<Job> horizon_jobs(const HorizonPlan& plan, const WalkRunner& run);
 
-/// Merges the results to {rows: [{controller, shortest_horizon_s, mean_speed_m_s, commanded_speed_m_s,
-/// duration_s, seeds, tried: [{horizon_s, survived, fall_time_s, mean_speed_m_s, walks}]}]}.
+/// Merges the results to {rows: [{controller, shortest_horizon_s, mean_speed_m_s, step_length_left_m,
+/// step_length_right_m, commanded_speed_m_s, duration_s, seeds, tried: [{horizon_s, survived, fall_time_s,
+/// mean_speed_m_s, step_length_left_m, step_length_right_m, walks}]}]}.
 ///
 /// A tried horizon survives and walks (see walks.h) when every seed does. Its fall_time_s is the earliest
-/// one. Its mean_speed_m_s is the mean over the seeds that survive, null without one. shortest_horizon_s is
+/// one. Its speed and steps are means over the seeds that survive, null without one. shortest_horizon_s is
 /// the shortest horizon that walks, such that every longer tried one walks too; null when the longest one
-/// does not walk. mean_speed_m_s of a row is that of its shortest horizon.
+/// does not walk. Speed and steps of a row are those of its shortest horizon.
 [[nodiscard]] Json merge_horizons(const HorizonPlan& plan, const std::vector<Json>& results);
 
 /// The rows as a Markdown table.

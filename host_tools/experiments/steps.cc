@@ -35,6 +35,17 @@ std::optional<StepRange> step_range(std::span<const log::Step> steps, double fro
   return range;
 }
 
+std::optional<double> mean_step_m(std::span<const log::Step> steps, std::string_view foot, double from_s) {
+  double sum_m = 0.0;
+  int count = 0;
+  for (const log::Step& step : steps) {
+    if (step.foot != foot || step.time_s < from_s - kTimeSlack_s) continue;
+    sum_m += step.length_m;
+    ++count;
+  }
+  return count > 0 ? std::optional(sum_m / count) : std::nullopt;
+}
+
 std::optional<int> recovery_steps(std::span<const log::Step> steps, double push_end_s,
                                   double unpushed_speed_m_s) {
   const double tolerance_m_s =

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "host_tools/recording/run_record.h"
 
@@ -14,6 +15,11 @@ struct StepRange {
 
 /// Shortest and longest of the steps that land at `from_s` or later; nothing when there are none.
 [[nodiscard]] std::optional<StepRange> step_range(std::span<const log::Step> steps, double from_s);
+
+/// Mean length of the steps of one foot, "L" or "R", that land at `from_s` or later; nothing when there are
+/// none.
+[[nodiscard]] std::optional<double> mean_step_m(std::span<const log::Step> steps, std::string_view foot,
+                                                double from_s);
 
 /// Number of steps until a pushed walk is as fast again as an unpushed one.
 ///

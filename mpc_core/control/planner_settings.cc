@@ -46,11 +46,10 @@ ConfigureStatus prepare_settings(const model::RobotModel& robot, const Controlle
   data.limits = limits_of(robot.constants, parameters.robot, drive);
   std::ranges::copy(drive.joint_parameters, data.joint_parameters);
   ocp::set_weights(data);
-  const model::StateVector standing =
-      gait::standing_state(robot.constants, parameters.reference.base_height_m,
-                           parameters.reference.base_pitch_rad, parameters.gait.stand_half_width_m, true);
-  return sqp::set_terminal_cost(data, standing, work) ? ConfigureStatus::ok
-                                                      : ConfigureStatus::terminal_cost_failed;
+  const model::StateVector upright = gait::standing_state(robot.constants, parameters.reference.base_height_m,
+                                                          parameters.reference.base_pitch_rad, 0.0, true);
+  return sqp::set_terminal_cost(data, upright, work) ? ConfigureStatus::ok
+                                                     : ConfigureStatus::terminal_cost_failed;
 }
 
 }  // namespace stilt::control

@@ -17,7 +17,10 @@ void mix(const double (&a)[Rows][Columns], const double (&b)[Rows][Columns], dou
 double mix(double a, double b, double share) noexcept { return a + share * (b - a); }
 
 void mix_outputs(const HzdGait& a, const HzdGait& b, double share, HzdGait& result) noexcept {
-  if (a.outputs.phase != b.outputs.phase || a.outputs.degree != b.outputs.degree) {
+  const double way_a = a.outputs.phase_end - a.outputs.phase_start;
+  const double way_b = b.outputs.phase_end - b.outputs.phase_start;
+  const bool same_shape = a.outputs.phase == b.outputs.phase && a.outputs.degree == b.outputs.degree;
+  if (!same_shape || way_a * way_b <= 0.0) {  // between two directions a phase would stand still
     const HzdGait& nearer = share < 0.5 ? a : b;
     result.outputs = nearer.outputs;
     result.feedback = nearer.feedback;

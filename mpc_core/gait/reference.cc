@@ -110,7 +110,9 @@ double HeuristicReference::followed_speed_m_s(double reference_m_s, double measu
 
 double HeuristicReference::foothold_shift_m(const Interval& contact) const noexcept {
   const double step_s = gait_.single_support_s + gait_.double_support_s;
-  const int steps_ahead = static_cast<int>((contact.start_s - time_s_) / step_s);
+  // At the instant of a switch the next contact is one step away, up to rounding: it gets the whole shift.
+  constexpr double kRounding = 1e-6;
+  const int steps_ahead = static_cast<int>((contact.start_s - time_s_) / step_s - kRounding);
   double shift_m = parameters_.foothold_gain_s * speed_excess_m_s_;
   for (int step = 0; step < steps_ahead; ++step) shift_m *= parameters_.foothold_gain_decay;
   return std::clamp(shift_m, -parameters_.foothold_shift_max_m, parameters_.foothold_shift_max_m);

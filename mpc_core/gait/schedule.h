@@ -28,7 +28,7 @@ struct Interval {
 ///
 /// Commands become active at contact boundaries. Stepping starts `switch_lead_s` after the command at the
 /// earliest. A change between step and walk starts at the next step; standing starts after the steps that the
-/// deceleration needs.
+/// deceleration needs, at most 20, and one to settle.
 class ContactSchedule {
  public:
   static constexpr int kMaxPhases = 64;

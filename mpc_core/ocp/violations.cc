@@ -33,9 +33,10 @@ void check_joints(const JointLimits& limits, const BatchIterate& it, const model
     raise(largest.joint_position, limits.position_min_rad[j] - q);
     raise(largest.joint_position, q - limits.position_max_rad[j]);
     raise(largest.joint_velocity, abs(v) - limits.velocity_rad_s[j]);
+    // Beyond its no-load speed a drive still gives no torque: its limits there are 0.
     const TorqueMargins margins(limits, j, node.joint_torque[j], v);
-    raise(largest.joint_torque, -margins.lower);
-    raise(largest.joint_torque, -margins.upper);
+    raise(largest.joint_torque, min(-margins.lower, -node.joint_torque[j]));
+    raise(largest.joint_torque, min(-margins.upper, node.joint_torque[j]));
   }
 }
 

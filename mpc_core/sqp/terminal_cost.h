@@ -19,7 +19,7 @@ struct TerminalCostWorkspace {
 /// Computes the terminal weight rho S. S solves the continuous-time algebraic Riccati equation for the
 /// linearisation
 ///   x' = A x + B u   of   x' = [v; a_b(x, u); u_j]
-/// at the standing posture (feet apart, forces sharing the weight), with the running weights Q and R of state
+/// at a standing posture (forces sharing the weight), with the running weights Q and R of state
 /// and input. When cost.terminal_feet is true, the weights of the feet are included: the whole of equation 14
 /// of Galliker et al. 2022. Their accelerations depend on state and input, which adds a weight of the
 /// products. Joint accelerations and both feet's forces count as free inputs, so that every state is

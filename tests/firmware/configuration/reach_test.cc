@@ -51,6 +51,17 @@ TEST(Reach, ARangeOfMitModeBelowTheTravelIsNamedForCommandsAndReplies) {
   EXPECT_TRUE(says(of(configuration), "knee_R: reads a velocity")) << "its limit and margin could never show";
 }
 
+TEST(Reach, AStandingPoseHasEitherFootAhead) {
+  const Configuration configuration = load_robot("amber3m").value();
+  for (const int joint : {0, 2}) {
+    model::RobotConstants robot = (*robots::find("amber3m"))->model.constants;
+    robot.position_min_rad[joint] = -0.3;
+    const std::vector<std::string> found = unreachable(configuration, robot);
+    EXPECT_TRUE(says(found, std::string(joint == 0 ? "hip_L" : "hip_R") + ": reference.base_height_m"))
+        << joint;
+  }
+}
+
 TEST(Reach, ASittingPoseBeyondTheTravelOfAJointIsNamed) {
   Configuration configuration = load_robot("amber3m").value();
   configuration.supervisor.sit_hip_rad = -1.7;

@@ -27,6 +27,9 @@ Json merged(const Robot& robot, int seeds = 1) {
          record.summary.survived = speed_m_s.has_value();
          record.summary.fall_time_s = speed_m_s ? -1.0 : 2.0 + static_cast<double>(walk.seed);
          record.summary.mean_speed_m_s = speed_m_s.value_or(3.0);
+         // Before it has settled the other way round.
+         record.summary.steps = {
+             {1.0, "L", 0.1, 0.0}, {31.0, "L", 0.3, 0.0}, {31.5, "R", 0.02, 0.0}, {32.0, "L", 0.5, 0.0}};
          return record;
        })) {
     results.push_back(job.run());
@@ -74,6 +77,17 @@ TEST(ShortestHorizon, IsNotOneThatStaysOnItsFeetAtAnotherSpeed) {
   EXPECT_EQ(second.at("walks"), false);
   EXPECT_EQ(second.at("mean_speed_m_s"), 0.745);
   EXPECT_NE(horizon_table(result).find("0.10 (0.745 m/s), 0.20 (0.745 m/s)"), std::string::npos)
+      << horizon_table(result);
+}
+
+TEST(ShortestHorizon, ShowsALimp) {
+  const Json result = merged(
+      [](double horizon_s, std::uint64_t) { return horizon_s < 0.15 ? std::nullopt : std::optional(0.5); });
+  const Json& row = result.at("rows").at(0);
+  EXPECT_DOUBLE_EQ(row.at("step_length_left_m"), 0.4);
+  EXPECT_EQ(row.at("step_length_right_m"), 0.02);
+  EXPECT_TRUE(row.at("tried").at(0).at("step_length_left_m").is_null()) << "it falls";
+  EXPECT_NE(horizon_table(result).find("| 0.500 | 0.400, 0.020 |"), std::string::npos)
       << horizon_table(result);
 }
 

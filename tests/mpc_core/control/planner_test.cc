@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "mpc_core/model/leg_exchange.h"
 #include "tests/mpc_core/control/planning.h"
 #include "tests/robots.h"
 
@@ -71,6 +72,23 @@ TEST(PlannerSettings, LimitsAreTheRobotsScaledByTheConfiguration) {
     EXPECT_EQ(limits.torque_speed_slope_Nms_rad[j], 0.75 * robot.torque_limit_Nm[j] / 8.0);
     EXPECT_EQ(limits.position_min_rad[j], robot.position_min_rad[j]);
     EXPECT_EQ(limits.position_max_rad[j], robot.position_max_rad[j]);
+  }
+}
+
+TEST(PlannerSettings, TheTerminalCostFavoursNeitherLeg) {
+  const auto settings = std::make_unique<PlannerSettings>();
+  const auto work = std::make_unique<sqp::TerminalCostWorkspace>();
+  ASSERT_EQ(prepare_settings(testing_support::amber3m(), shipped(), *work, *settings), ConfigureStatus::ok);
+  const auto& weight = settings->data.terminal_weight;
+  const auto other = [](int i) {
+    const int first = i < model::kPositions ? 0 : model::kPositions;
+    return first + model::other_leg(i - first, model::kFirstJoint);
+  };
+  for (int c = 0; c < kStates; ++c) {
+    for (int r = 0; r < kStates; ++r) {
+      const double size = std::sqrt(weight[c][c] * weight[r][r]);
+      EXPECT_NEAR(weight[c][r], weight[other(c)][other(r)], 1e-9 * size) << r << " " << c;
+    }
   }
 }
 

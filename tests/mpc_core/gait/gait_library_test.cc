@@ -79,6 +79,17 @@ TEST_F(Library, TakesTheOutputsOfTheNearerGaitWherePhasesDiffer) {
   EXPECT_EQ(blended(0.3).outputs.angle_rad[0][0], 0.4);
 }
 
+TEST_F(Library, TakesTheOutputsOfTheNearerGaitBetweenTwoDirections) {
+  ASSERT_EQ(library_->add(gait_of(-0.3)), LibraryStatus::ok);
+  ASSERT_EQ(library_->add(gait_of(0.3)), LibraryStatus::ok);
+  for (const double speed_m_s : {-0.02, 0.0, 0.02}) {
+    const HzdGait gait = blended(speed_m_s);
+    const double way_m = gait.outputs.phase_end - gait.outputs.phase_start;
+    EXPECT_DOUBLE_EQ(way_m, speed_m_s < 0.0 ? -0.09 : 0.09) << speed_m_s;
+    EXPECT_NEAR(gait.motion.position[0][0], 10.0 * speed_m_s, 1e-12) << "the motion is blended all the same";
+  }
+}
+
 TEST_F(Library, RefusesWhatCannotBeBlended) {
   fill();
   EXPECT_EQ(library_->add(gait_of(0.6)), LibraryStatus::speeds_not_rising);

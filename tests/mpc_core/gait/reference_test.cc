@@ -139,10 +139,10 @@ TEST(Reference, TheSpeedReferenceStaysWithinABandOfTheMeasuredSpeedUpToTheLarges
 }
 
 TEST(Reference, FootholdsShiftWithTheSpeedAboveTheReferenceLessForEachLaterOne) {
-  const auto footholds = [](double measured_m_s, double gain_s) {
-    const Walk walk({.measured_m_s = measured_m_s, .foothold_gain_s = gain_s});
+  const auto footholds = [](double measured_m_s, double gain_s, double time_s = 0.4) {
+    const Walk walk({.time_s = time_s, .measured_m_s = measured_m_s, .foothold_gain_s = gain_s});
     std::vector<double> x_m;
-    for (int phase = walk.schedule.index_at(0.4) + 1; walk.schedule.phase(phase).start_s < walk.end_s;
+    for (int phase = walk.schedule.index_at(time_s) + 1; walk.schedule.phase(phase).start_s < walk.end_s;
          ++phase) {
       const int foot = walk.schedule.phase(phase).mode.left ? 0 : 1;
       const double middle_s = 0.5 * (walk.schedule.phase(phase).start_s + walk.schedule.end_s(phase));
@@ -161,6 +161,10 @@ TEST(Reference, FootholdsShiftWithTheSpeedAboveTheReferenceLessForEachLaterOne) 
     }
   }
   EXPECT_NEAR(footholds(3.0, kGain_s)[0] - footholds(3.0, 0.0)[0], p.foothold_shift_max_m, 1e-12);
+  for (const double at_a_switch_s : {0.7, std::nextafter(0.7, 1.0), 0.7 + 1e-12}) {
+    const double shift_m = footholds(0.9, kGain_s, at_a_switch_s)[0] - footholds(0.9, 0.0, at_a_switch_s)[0];
+    EXPECT_NEAR(shift_m, kGain_s * 0.4, 1e-12) << "just begun, the next foothold is still the next";
+  }
 }
 
 TEST(Reference, AFootOnTheGroundIsWhereItWasMeasuredAndAtRest) {

@@ -25,11 +25,13 @@ void check_flow(const ProblemData& data, const Stage& stage, const double* x, co
     const double velocity = x[kPositions + kFirstJoint + j];
     const double torque = node.joint_torque[j];
     const double slope = data.limits.torque_speed_slope_Nms_rad[j];
+    const double forward_Nm = std::max(0.0, data.limits.torque_Nm[j] - slope * std::max(velocity, 0.0));
+    const double backward_Nm = std::max(0.0, data.limits.torque_Nm[j] - slope * std::max(-velocity, 0.0));
     raise(v.position_violation_max_rad, data.limits.position_min_rad[j] - position);
     raise(v.position_violation_max_rad, position - data.limits.position_max_rad[j]);
     raise(v.velocity_violation_max_rad_s, std::abs(velocity) - data.limits.velocity_rad_s[j]);
-    raise(v.torque_violation_max_Nm, torque - (data.limits.torque_Nm[j] - slope * std::max(velocity, 0.0)));
-    raise(v.torque_violation_max_Nm, -torque - (data.limits.torque_Nm[j] - slope * std::max(-velocity, 0.0)));
+    raise(v.torque_violation_max_Nm, torque - forward_Nm);
+    raise(v.torque_violation_max_Nm, -torque - backward_Nm);
   }
   for (int foot = 0; foot < kFeet; ++foot) {
     if (!stage.mode[foot]) continue;
