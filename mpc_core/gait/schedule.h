@@ -27,7 +27,7 @@ struct Interval {
 /// whatever the speed (docs/decisions/0030-steps-keep-their-time.md). Fixed memory, real-time safe.
 ///
 /// Commands become active at contact boundaries. Stepping starts `switch_lead_s` after the command at the
-/// earliest. A change between step and walk starts at the next step; standing starts after the steps that the
+/// earliest. A change between step and walk starts at the next step. Standing starts after the steps that the
 /// deceleration needs, at most 20, and one to settle.
 class ContactSchedule {
  public:
