@@ -24,16 +24,6 @@ std::string number_text(double value) {
   return text;
 }
 
-/// Taken from every sender with the token, a new name or not.
-bool is_of_everybody(CommandKind kind) noexcept {
-  return kind == CommandKind::stop || kind == CommandKind::cut;
-}
-
-/// Orders make their sender the commander.
-bool is_order(CommandKind kind) noexcept {
-  return kind != CommandKind::heartbeat && kind != CommandKind::release && !is_of_everybody(kind);
-}
-
 bool stands_or_moves(State state) noexcept { return supervisor::tracks(state); }
 
 /// What an accepted command does not do now; empty: it does all.
@@ -244,7 +234,7 @@ Answer CommandArbiter::take(const Asked& asked, const RobotNow& now) {
   reason = refusal(asked, now);
   if (!reason.empty()) return {false, false, std::move(reason)};
   const auto kind = static_cast<CommandKind>(asked.kind);
-  const bool moves = is_order(kind) && kind != CommandKind::height && kind != CommandKind::tunable;
+  const bool moves = makes_commander(kind);
   if (moves && kind != CommandKind::stand) standing_up_ = false;
   if (moves) {
     commander_ = asked.commander;

@@ -111,7 +111,7 @@ void LiveView::command(Page& page, Command command) {
   }
   command.commander = page.commander;
   command.with_known_tokens = page.has_key;
-  page.asked[command.sequence] = command.token;
+  page.asked[command.sequence] = {command.kind, command.token};
   if (page.asked.size() > kAskedAtMost) page.asked.erase(page.asked.begin());
   source_.command(command);
 }
@@ -244,9 +244,11 @@ void LiveView::reply(const ReplySample& sample) {
   if (page == pages_.end()) return;
   const auto asked = page->asked.extract(sample.sequence);
   if (sample.accepted && !asked.empty()) {
-    for (Page& other : pages_) other.in_command = false;
-    page->in_command = true;
-    page->token = asked.mapped();
+    if (telemetry::makes_commander(asked.mapped().kind)) {
+      for (Page& other : pages_) other.in_command = false;
+      page->in_command = true;
+    }
+    page->token = asked.mapped().token;
     rate(*page);
   }
   page->peer->send(reply_message(sample.sequence, sample.accepted, sample.reason));

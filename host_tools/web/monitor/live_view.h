@@ -19,8 +19,8 @@ namespace stilt::monitor {
 /// The WebSocket /live: passes samples on to every open page, and commands of the pages to the source.
 ///
 /// A page may command when it sends the run's token. A page that has sent the monitor's key may use the
-/// tokens that the source has. Nothing follows from where a page is. The page whose command was accepted
-/// last is in command. While that page sends signs of life, several per second, the robot gets a heartbeat.
+/// tokens that the source has. Nothing follows from where a page is. The page whose order of motion was
+/// accepted last is in command. While that page sends signs of life, several per second, the robot gets a heartbeat.
 class LiveView final : public Endpoint, private SampleSink {
  public:
   /// Seconds without a sign of life after which a page's heartbeat is no longer passed on.
@@ -46,12 +46,18 @@ class LiveView final : public Endpoint, private SampleSink {
   void closed(Peer& peer) override;
 
  private:
+  /// A command without reply.
+  struct Asked {
+    CommandKind kind;
+    std::string token;
+  };
+
   struct Page {
     std::shared_ptr<Peer> peer;
     std::uint64_t commander = 0;
     double alive_s = 0.0;
-    std::string token{};                           ///< of its last accepted command to the run that is shown
-    std::map<std::uint32_t, std::string> asked{};  ///< tokens of its commands without reply, by their numbers
+    std::string token{};                     ///< of its last accepted command to the run that is shown
+    std::map<std::uint32_t, Asked> asked{};  ///< by its numbers of them
     bool in_command = false;
     bool has_key = false;
     bool sent_has_token = false;  ///< in the last access message

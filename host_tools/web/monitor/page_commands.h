@@ -35,7 +35,4 @@ struct PageMessage {
 /// Parses a message; the error is one sentence.
 [[nodiscard]] std::expected<PageMessage, std::string> parse_page_message(std::string_view text);
 
-/// Name of a command: "walk".
-[[nodiscard]] const char* name(CommandKind kind);
-
 }  // namespace stilt::monitor

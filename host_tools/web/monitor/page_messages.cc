@@ -50,7 +50,6 @@ Json names_up_to(Enumeration last) {
 
 /// Commands that a robot in that state refuses, each with the reason.
 Json refused_json(supervisor::State state) {
-  using telemetry::CommandKind;
   Json refused = Json::object();
   for (const CommandKind kind :
        {CommandKind::stand, CommandKind::step, CommandKind::walk, CommandKind::sit, CommandKind::reset}) {

@@ -172,10 +172,51 @@ TEST(LiveView, ThePageWhoseCommandWasAcceptedLastIsInCommandAlone) {
   EXPECT_EQ(source.heartbeats(), 0);
 }
 
+/// Two pages; the first walks the robot, the second changes the height of its hip.
+struct WalkAndHeight {
+  WalkAndHeight() {
+    open_with_key(view, walks);
+    open_with_key(view, changes);
+    order(0.0, *walks, kWalk);
+    order(0.02, *changes, R"({"command": "height", "sequence": 1, "value": 0.78})");
+    source.commands.clear();
+  }
+  void order(double now_s, FakePeer& page, const char* text) {
+    view.received(page, false, text);
+    view.step(now_s);
+    source.answers = true;
+    view.step(now_s + 0.01);
+  }
+  /// Of half a second in which `alive` gives signs of life.
+  int heartbeats(FakePeer& alive) {
+    for (int k = 0; k <= 5; ++k) {
+      view.received(alive, false, R"({"alive": true})");
+      view.step(0.6 + 0.11 * k);
+    }
+    return source.heartbeats();
+  }
+
+  SilentSource source;
+  LiveView view{source, kKey};
+  std::shared_ptr<FakePeer> walks = std::make_shared<FakePeer>(), changes = std::make_shared<FakePeer>();
+};
+
+TEST(LiveView, APageThatChangesTheHeightLeavesTheHeartbeatToThePageThatWalks) {
+  WalkAndHeight both;
+  both.view.closed(*both.changes);
+  EXPECT_EQ(both.heartbeats(*both.walks), 5);
+}
+
+TEST(LiveView, APageThatChangedTheHeightIsNotSpokenForWhenThePageThatWalksIsGone) {
+  WalkAndHeight both;
+  both.view.closed(*both.walks);
+  EXPECT_EQ(both.heartbeats(*both.changes), 0);
+}
+
 TEST(LiveView, WhatIsNoMessageOfThePageIsRefusedAndTheViewGoesOn) {
   for (const char* text :
-       {"", "{", "[]", "7", R"({"command": "fly", "sequence": 1})", R"({"command": "walk"})",
-        R"({"command": 5, "sequence": 1})", R"({"command": "walk", "sequence": -1e99})",
+       {"", "{", "[]", "7", R"({"command": "fly", "sequence": 1})",
+        R"({"command": "off", "sequence": 1})", R"({"command": "walk"})", R"({"command": 5, "sequence": 1})", R"({"command": "walk", "sequence": -1e99})",
         R"({"command": "walk", "sequence": 4294967296})",
         R"({"command": "walk", "sequence": 1, "value": 1e999})", R"({"command": "walk", "sequence": 1.5})",
         R"({"command": "walk", "sequence": 1, "token": 7})",
