@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/web/monitor/history.h"
+#include "host_tools/web/monitor/page_commands.h"
 #include "host_tools/web/monitor/page_inbox.h"
 #include "host_tools/web/monitor/page_messages.h"
 #include "host_tools/web/monitor/sample_source.h"
@@ -26,7 +27,11 @@ class LiveView final : public Endpoint, private SampleSink {
   /// Seconds without a sign of life after which a page's heartbeat is no longer passed on.
   static constexpr double kPageSilence_s = 0.5;
   static constexpr double kHeartbeatPeriod_s = 0.08;
-  static constexpr double kLinkPeriod_s = 0.2;
+  static constexpr double kLinkPeriod_s = 0.1;
+
+  /// Age of the newest link message of a page, up to which its orders are taken. Where the network stood still
+  /// for longer, an order comes late, and its operator did not see what the robot did meanwhile.
+  static constexpr double kOldestLink_s = 0.5;
 
   /// Commands of a page without reply; the one with the lowest number is forgotten.
   static constexpr std::size_t kAskedAtMost = 32;
@@ -81,7 +86,9 @@ class LiveView final : public Endpoint, private SampleSink {
   void take_key(Page& page, const std::string& key);
   void replace_key(Page& page);
   void send_access(Page& page);
-  void command(Page& page, Command command);
+  void command(Page& page, PageMessage&& message);
+  /// Why a page may not give this command now, one sentence; empty: it may.
+  [[nodiscard]] std::string refusal(const Page& page, const PageMessage& message) const;
   void choose(Page& page, const std::string& run_id);
   void play_from(double from_s);
   void hold(bool held);

@@ -186,6 +186,7 @@ SharedMessage link_message(const LinkStatus& status) {
                 {"held", status.playback->held}};
   }
   return text({{"type", "link"},
+               {"time_s", status.time_s},
                {"received", status.received},
                {"silent_s", status.silent_s},
                {"ticks", status.ticks},

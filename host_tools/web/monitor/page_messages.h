@@ -43,6 +43,7 @@ struct Access {
 
 /// State of the connection to the source.
 struct LinkStatus {
+  double time_s = 0.0;               ///< of the monitor's clock, when it is sent; a command returns the newest
   bool received = false;             ///< whether any message has been received
   double silent_s = 0.0;             ///< since the newest tick was received
   std::uint64_t ticks = 0;           ///< received

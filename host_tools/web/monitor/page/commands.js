@@ -4,6 +4,8 @@ const kAlivePeriod_ms = 100;
 const kSpeedPeriod_ms = 100;
 const kPatience_ms = 3000;
 const kHeightTunable = 'reference.base_height_m';
+/** Also by a page whose data are stale. */
+const kAlwaysSent = ['stop', 'cut'];
 const kKeys = { s: 'stand', t: 'step', w: 'walk', d: 'sit', r: 'reset' };
 
 /** A link, and its QR code for the camera of a phone. */
@@ -66,6 +68,7 @@ class CommandPanel {
 
   /** The connection is open: the monitor takes the key before any command, and reports what the page may do. */
   present() {
+    this.linkTime_s = undefined;  // another monitor has another clock
     this.connection.send({ key: localStorage.getItem('key') ?? 'none' });
   }
 
@@ -153,8 +156,7 @@ class CommandPanel {
     this.height.min = String(tunable.min);
     this.height.max = String(tunable.max);
     this.activeHeight_m = tunable.value;
-    this.height.value = String(tunable.value);
-    this.showHeight();
+    this.showActiveHeight();
   }
 
   showHeight() {
@@ -174,16 +176,23 @@ class CommandPanel {
     this.changeHeight();
   }
 
+  /** Why a command is not even sent; undefined: it is. What the robot would refuse is not known from stale data. */
+  unsent(command) {
+    if (!document.body.classList.contains('stale')) return this.refused?.[command];
+    return kAlwaysSent.includes(command) ? undefined
+      : 'not sent, because the data are stale and it would act later; Stop and Motors off are sent';
+  }
+
   /** Sends a command; the answer appears below the buttons. */
   ask(command, extra = {}) {
-    const stale = document.body.classList.contains('stale');
-    const reason = stale ? undefined : this.refused?.[command];
+    const reason = this.unsent(command);
     if (reason !== undefined) {
       this.say(`${command}: ${reason}${/from (stand|ready)/.test(reason) && !this.refused.stand ? '. Press Stand first' : ''}`, 'bad');
+      this.showActiveHeight();
       return;
     }
     const sequence = ++this.sequence;
-    const message = { command, sequence, token: this.token.value, ...extra };
+    const message = { command, sequence, token: this.token.value, link_time_s: this.linkTime_s, ...extra };
     if (command === 'stop') message.tokens = this.tokens;
     if (command === 'walk' && extra.value === undefined) message.value = Number(this.speed.value);
     if (!this.connection.send(message)) {
@@ -205,10 +214,13 @@ class CommandPanel {
     this.waiting.delete(message.sequence);
     if (message.accepted) this.say(`${asked.what}: accepted${message.reason && `; ${message.reason}`}`, message.reason ? '' : 'good');
     else this.say(`${asked.what}: refused. ${message.reason}`, 'bad');
-    if (!message.accepted && this.activeHeight_m !== undefined) {
-      this.height.value = String(this.activeHeight_m);
-      this.showHeight();
-    }
+    if (!message.accepted) this.showActiveHeight();
+  }
+
+  showActiveHeight() {
+    if (this.activeHeight_m === undefined) return;
+    this.height.value = String(this.activeHeight_m);
+    this.showHeight();
   }
 
   say(text, kind) {

@@ -70,6 +70,7 @@ class Monitor {
       },
       link: () => {
         this.status.report(message, now_s);
+        this.commands.linkTime_s = message.time_s;
         this.record.show(message.playback);
       },
       reply: () => this.commands.reply(message),

@@ -1,7 +1,7 @@
 // The state of the robot and of the connection, in words.
 
 const kStale_s = 0.5;
-/** The monitor reports on the link five times per second. */
+/** The monitor reports on the link ten times per second. */
 const kUnreported_s = 1;
 const kReactionText = {
   none: 'nothing', warn: 'nothing; it is only reported', slow: 'walking becomes stepping in place, and that standing',

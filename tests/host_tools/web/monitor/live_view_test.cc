@@ -172,6 +172,47 @@ TEST(LiveView, ThePageWhoseCommandWasAcceptedLastIsInCommandAlone) {
   EXPECT_EQ(source.heartbeats(), 0);
 }
 
+TEST(LiveView, OrdersOfAPageWhoseDataAreOldAreRefusedButStopAndCut) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  open_with_key(view, page);
+  view.step(7.0);
+  const double link_time_s = page->of_type("link").back()["time_s"];
+  EXPECT_EQ(link_time_s, 7.0);
+  int sequence = 0;
+  const auto passed_on = [&](const char* command, double now_s) {
+    nlohmann::json order = {{"command", command}, {"sequence", ++sequence}, {"link_time_s", link_time_s}};
+    source.commands.clear();
+    view.received(*page, false, order.dump());
+    view.step(now_s);
+    return std::ranges::any_of(source.commands, [&](const Command& one) {
+      return std::string(command) == telemetry::name(one.kind);
+    });
+  };
+  const char* const orders[] = {"stand", "step", "walk", "speed", "height", "sit", "reset", "tunable"};
+  for (const char* const order : orders) EXPECT_TRUE(passed_on(order, 7.5)) << order;
+  EXPECT_TRUE(page->of_type("reply").empty());
+  for (const char* const order : orders) EXPECT_FALSE(passed_on(order, 11.0)) << order;
+  const auto replies = page->of_type("reply");
+  ASSERT_EQ(replies.size(), std::size(orders));
+  EXPECT_EQ(replies[0]["reason"],
+            "The page's data were 4.0 s old when this order came, 0.5 s at most: look, then order again.");
+  EXPECT_TRUE(passed_on("stop", 11.0));
+  EXPECT_TRUE(passed_on("cut", 11.0));
+}
+
+TEST(LiveView, AnOrderWithoutTheTimeOfALinkMessageIsTaken) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  open_with_key(view, page);
+  view.step(0.0);
+  view.received(*page, false, kWalk);
+  view.step(100.0);
+  EXPECT_EQ(source.commands.at(0).kind, CommandKind::walk);
+}
+
 /// Two pages; the first walks the robot, the second changes the height of its hip.
 struct WalkAndHeight {
   WalkAndHeight() {
@@ -220,6 +261,7 @@ TEST(LiveView, WhatIsNoMessageOfThePageIsRefusedAndTheViewGoesOn) {
         R"({"command": "walk", "sequence": 4294967296})",
         R"({"command": "walk", "sequence": 1, "value": 1e999})", R"({"command": "walk", "sequence": 1.5})",
         R"({"command": "walk", "sequence": 1, "token": 7})",
+        R"({"command": "walk", "sequence": 1, "link_time_s": "now"})",
         R"({"command": "walk", "sequence": 1, "value": "fast"})", "\xff\xfe"}) {
     SilentSource source;
     LiveView view(source, kKey);

@@ -98,8 +98,32 @@ test('a silent controller is shown at once, and the picture is marked as old', a
   await until('the alarm', async () => /No data for .* the data are stale/.test(await text('#alarm')));
   assert.equal(await text('#stage-cover'), 'STALE DATA');
   await picture(page, 'stale');
+  await page.keyboard.press('w');
+  await answer(/walk: not sent, because the data are stale .*; Stop and Motors off are sent/);
+  await page.keyboard.press('Escape');
+  await answer(/stop: accepted/);
   monitor.write('talk');
   await until('no alarm', async () => page.isHidden('#alarm'));
+});
+
+test('a walk that is pressed while the link stands still is refused when the link is back, and stop is not', async () => {
+  const press = async (key) => {
+    monitor.process.kill('SIGSTOP');
+    try {
+      await page.keyboard.press(key);
+      await page.waitForTimeout(700);
+    } finally {
+      monitor.process.kill('SIGCONT');
+    }
+  };
+  await press('w');
+  await answer(/walk at 0.50 m\/s: refused. The page's data were [\d.]+ s old .*: look, then order again/);
+  assert.equal(await text('#state'), 'stand');
+  await until('live data', async () => /^live/.test(await text('#link-status')));
+  await page.keyboard.press('w');
+  await state('walk');
+  await press('Escape');
+  await answer(/stop: accepted/);
 });
 
 for (const source of ['robot', 'record']) {
