@@ -40,8 +40,8 @@ class RobotState:
 
 
 class Robot:
-    """A robot that is commanded. Open it with `with`: leaving the block stops the robot, after an exception as well,
-    unless the last of stand, step, walk, sit and motors_off was one of the last two.
+    """A robot that is commanded. Open it with `with`: leaving the block stops the robot, after an exception as well. A
+    robot that was asked to sit goes on sitting down.
 
         with stilt.Robot() as robot:
             robot.stand()
@@ -166,7 +166,7 @@ class Robot:
         self._ask('stop')
 
     def sit(self) -> None:
-        """Sits down; the end of the block does not interrupt it."""
+        """Sits down."""
         self._ask('sit')
 
     def reset(self) -> None:
