@@ -100,16 +100,18 @@ std::string LiveView::refusal(const Page& page, const PageMessage& message) cons
   const Command& command = message.command;
   if (!source_.live()) return "This is a record: it takes no commands.";
   if (command.token.empty() && !may_use_token(page)) {
-    return page.has_key ? "A token is needed: the monitor cannot read that of this run."
-                        : "This page only looks: open the link that stilt monitor printed, or enter the token "
-                          "of the run.";
+    return page.has_key
+               ? "A token is needed: the monitor cannot read that of this run."
+               : "This page only looks: open the link that stilt monitor printed, or enter the token "
+                 "of the run.";
   }
   const double age_s = now_s_ - message.link_time_s.value_or(now_s_);
   if (age_s <= kOldestLink_s || telemetry::is_of_everybody(command.kind)) return {};
   char text[128];
-  std::snprintf(text, sizeof text,
-                "The page's data were %.1f s old when this order came, %.1f s at most: look, then order again.",
-                age_s, kOldestLink_s);
+  std::snprintf(
+      text, sizeof text,
+      "The page's data were %.1f s old when this order came, %.1f s at most: look, then order again.", age_s,
+      kOldestLink_s);
   return text;
 }
 

@@ -21,7 +21,8 @@ namespace stilt::monitor {
 ///
 /// A page may command when it sends the run's token. A page that has sent the monitor's key may use the
 /// tokens that the source has. Nothing follows from where a page is. The page whose order of motion was
-/// accepted last is in command. While that page sends signs of life, several per second, the robot gets a heartbeat.
+/// accepted last is in command. While that page sends signs of life, several per second, the robot gets a
+/// heartbeat.
 class LiveView final : public Endpoint, private SampleSink {
  public:
   /// Seconds without a sign of life after which a page's heartbeat is no longer passed on.
@@ -29,8 +30,8 @@ class LiveView final : public Endpoint, private SampleSink {
   static constexpr double kHeartbeatPeriod_s = 0.08;
   static constexpr double kLinkPeriod_s = 0.1;
 
-  /// Age of the newest link message of a page, up to which its orders are taken. Where the network stood still
-  /// for longer, an order comes late, and its operator did not see what the robot did meanwhile.
+  /// Age of the newest link message of a page, up to which its orders are taken. Where the network stood
+  /// still for longer, an order comes late, and its operator did not see what the robot did meanwhile.
   static constexpr double kOldestLink_s = 0.5;
 
   /// Commands of a page without reply; the one with the lowest number is forgotten.

@@ -14,9 +14,9 @@ using Json = nlohmann::json;
 
 /// Those that a page may send.
 constexpr std::array<CommandKind, 11> kKinds = {
-    CommandKind::stand, CommandKind::step,  CommandKind::walk,    CommandKind::speed,     CommandKind::height,
-    CommandKind::sit,   CommandKind::stop,  CommandKind::reset,   CommandKind::tunable,   CommandKind::heartbeat,
-    CommandKind::cut};
+    CommandKind::stand,   CommandKind::step,      CommandKind::walk, CommandKind::speed,
+    CommandKind::height,  CommandKind::sit,       CommandKind::stop, CommandKind::reset,
+    CommandKind::tunable, CommandKind::heartbeat, CommandKind::cut};
 
 /// The member of that name, or the fallback when it is missing. Throws Json::exception for another type.
 template <class Value>

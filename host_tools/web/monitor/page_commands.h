@@ -26,13 +26,13 @@ namespace stilt::monitor {
 
 /// A message of the page.
 struct PageMessage {
-  bool is_command = false;       ///< false: a sign of life
-  std::optional<double> from_s;  ///< a record is played from there; finite
-  std::optional<bool> hold;      ///< of a record; none: no change
-  std::string run;               ///< run to show from now on; empty: no change
-  std::string key;               ///< of the monitor; empty: none is given
-  bool new_key = false;          ///< whether the monitor's key is replaced
-  Command command;               ///< `commander` is set by the caller
+  bool is_command = false;            ///< false: a sign of life
+  std::optional<double> from_s;       ///< a record is played from there; finite
+  std::optional<bool> hold;           ///< of a record; none: no change
+  std::string run;                    ///< run to show from now on; empty: no change
+  std::string key;                    ///< of the monitor; empty: none is given
+  bool new_key = false;               ///< whether the monitor's key is replaced
+  Command command;                    ///< `commander` is set by the caller
   std::optional<double> link_time_s;  ///< of the newest link message that the page had when it sent a command
 };
 

@@ -4,6 +4,8 @@ const kAlivePeriod_ms = 100;
 const kSpeedPeriod_ms = 100;
 const kPatience_ms = 3000;
 const kHeightTunable = 'reference.base_height_m';
+/** States in which the robot stands, and the commands that lead there. */
+const kOnItsFeet = ['stand', 'step', 'walk'];
 /** Also by a page whose data are stale. */
 const kAlwaysSent = ['stop', 'cut'];
 const kKeys = { s: 'stand', t: 'step', w: 'walk', d: 'sit', r: 'reset' };
@@ -12,6 +14,12 @@ const kKeys = { s: 'stand', t: 'step', w: 'walk', d: 'sit', r: 'reset' };
 function linkItem(link) {
   const code = qrPicture(link, 'QR code of this link');
   return element('li', {}, element('a', { href: link, textContent: link }), ...(code ? [code] : []));
+}
+
+/** Says under the pointer why a control is grey; without a reason, what it does. */
+function explain(control, reason) {
+  control.title0 ??= control.title;
+  control.title = reason === undefined ? control.title0 : `Not now: ${reason}`;
 }
 
 class CommandPanel {
@@ -128,15 +136,23 @@ class CommandPanel {
     if (!hello.live) this.say(`A record: it takes no commands. ${hello.source}`, '');
   }
 
-  /** Buttons that the robot would refuse are grey and say why. */
-  supervise(state) {
-    this.refused = state.refused;
+  /** Buttons that the robot would refuse are grey and say why. `latched`: names of faults that wait for a reset. */
+  supervise(state, latched) {
+    const sits = latched.length > 0 && kOnItsFeet.includes(state.name);
+    const reason = `the robot sits down because of ${latched.join(' and ')}, which then takes a reset`;
+    this.refused = { ...(sits ? Object.fromEntries(kOnItsFeet.map((command) => [command, reason])) : {}), ...state.refused };
     for (const button of document.querySelectorAll('[data-command]')) {
-      button.title0 ??= button.title;
-      const reason = this.refused[button.dataset.command];
-      button.setAttribute('aria-disabled', String(reason !== undefined));
-      button.title = reason === undefined ? button.title0 : `Not now: ${reason}`;
+      button.setAttribute('aria-disabled', String(this.refused[button.dataset.command] !== undefined));
+      explain(button, this.refused[button.dataset.command]);
     }
+    this.admitHeight();
+  }
+
+  /** There is a height to change, of a robot that takes it. */
+  admitHeight() {
+    const refused = this.refused?.height;
+    this.height.disabled = this.activeHeight_m === undefined || !this.robot.hello.live || refused !== undefined;
+    explain(this.height, refused);
   }
 
   /** The sliders go as far as the controller lets. */
@@ -151,11 +167,11 @@ class CommandPanel {
   }
 
   configureHeight(tunable) {
-    this.height.disabled = tunable === undefined || !this.robot.hello.live;
+    this.activeHeight_m = tunable?.value;
+    this.admitHeight();
     if (tunable === undefined) return;
     this.height.min = String(tunable.min);
     this.height.max = String(tunable.max);
-    this.activeHeight_m = tunable.value;
     this.showActiveHeight();
   }
 
@@ -171,7 +187,7 @@ class CommandPanel {
   }
 
   nudgeHeight(steps) {
-    if (this.height.disabled) return;
+    if (this.height.disabled && this.refused?.height === undefined) return;
     this.height.value = String(Number(this.height.value) + 0.01 * steps);
     this.changeHeight();
   }

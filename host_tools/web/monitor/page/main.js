@@ -61,7 +61,7 @@ class Monitor {
       supervisor: () => {
         this.robot.supervisor = message;
         this.status.supervise(message);
-        this.commands.supervise(this.robot.hello.states[message.state]);
+        this.commands.supervise(this.robot.hello.states[message.state], this.status.latched);
       },
       event: () => this.addEvent(message),
       timing: () => {
