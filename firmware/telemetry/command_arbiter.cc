@@ -24,22 +24,7 @@ std::string number_text(double value) {
   return text;
 }
 
-/// Taken from every sender with the token, a new name or not.
-bool is_of_everybody(CommandKind kind) noexcept {
-  return kind == CommandKind::stop || kind == CommandKind::cut;
-}
-
-/// Orders make their sender the commander.
-bool is_order(CommandKind kind) noexcept {
-  return kind != CommandKind::heartbeat && kind != CommandKind::release && !is_of_everybody(kind);
-}
-
 bool stands_or_moves(State state) noexcept { return supervisor::tracks(state); }
-
-/// Orders that may move the robot; those make their sender the commander.
-bool moves(CommandKind kind) noexcept {
-  return is_order(kind) && kind != CommandKind::height && kind != CommandKind::tunable;
-}
 
 /// Names of the faults of a set whose reset it takes, separated by commas; empty: there are none.
 std::string latching(const supervisor::FaultSet& set) {
@@ -279,7 +264,7 @@ Answer CommandArbiter::take(const Asked& asked, const RobotNow& now) {
   if (!reason.empty()) return {false, false, std::move(reason)};
   const auto kind = static_cast<CommandKind>(asked.kind);
   std::string note = caveat(kind, now);
-  if (moves(kind)) {
+  if (makes_commander(kind)) {
     if (kind != CommandKind::stand) standing_up_ = false;
     commander_ = asked.commander;
     script_ended_ = true;

@@ -32,4 +32,19 @@ inline constexpr std::size_t kCommandKinds = 14;
   return kNames[static_cast<std::size_t>(kind)];
 }
 
+/// Taken from every sender with the token, whoever commands.
+[[nodiscard]] constexpr bool is_of_everybody(CommandKind kind) noexcept {
+  return kind == CommandKind::stop || kind == CommandKind::cut;
+}
+
+/// Taken from the commander alone while there is one.
+[[nodiscard]] constexpr bool is_order(CommandKind kind) noexcept {
+  return kind != CommandKind::heartbeat && kind != CommandKind::release && !is_of_everybody(kind);
+}
+
+/// An order of motion: its sender is the commander from then on. A height or a tunable makes none.
+[[nodiscard]] constexpr bool makes_commander(CommandKind kind) noexcept {
+  return is_order(kind) && kind != CommandKind::height && kind != CommandKind::tunable;
+}
+
 }  // namespace stilt::telemetry

@@ -21,6 +21,8 @@ ALIVE_PERIOD_S = 0.1  # sign of life; the robot begins to stop 0.9 s after the l
 SILENCE_S = 1.0  # without a tick, after which the robot counts as silent
 KEPT_S = 60.0  # of ticks, for recent()
 
+MOVES = {'stand': True, 'step': True, 'walk': True, 'sit': False, 'cut': False}  # orders; whether a stop shall end them
+
 TABLE_HEAD = struct.Struct('<B3xIdd')  # kind, rows, base time, first number
 TABLE_KINDS = {1: 'ticks', 2: 'planner', 3: 'plan', 4: 'truth'}
 
@@ -38,7 +40,8 @@ class RobotState:
 
 
 class Robot:
-    """A robot that is commanded. Open it with `with`: leaving the block stops the robot, after an exception as well.
+    """A robot that is commanded. Open it with `with`: leaving the block stops the robot, after an exception as well. A
+    robot that was asked to sit goes on sitting down.
 
         with stilt.Robot() as robot:
             robot.stand()
@@ -74,7 +77,7 @@ class Robot:
         self._received_s = time.monotonic()
         self._replies: dict[int, dict[str, Any]] = {}
         self._sequence = 0
-        self._commands = False
+        self._moves = False  # leaving the block stops it
         self._closed = threading.Event()
         self._ticks: collections.deque[tuple[float, np.ndarray]] = collections.deque()
         self._socket = self._connect(parts.scheme)
@@ -108,7 +111,7 @@ class Robot:
 
     def __exit__(self, *_: object) -> None:
         try:
-            if self._commands and not self._problem:
+            if self._moves and not self._problem:
                 self.stop()
         except RobotError:
             pass  # without signs of life it comes to a stand by itself
@@ -174,7 +177,6 @@ class Robot:
     def motors_off(self) -> None:
         """Motors off at once, the end of stiltd: a robot on its feet falls."""
         self._ask('cut')
-        self._commands = False
 
     def wait(self, duration_s: float) -> None:
         """Waits while the robot goes on. Raises RobotError when it has a fault or falls silent meanwhile."""
@@ -236,7 +238,7 @@ class Robot:
         reply = self._replies.pop(number)
         if not reply['accepted']:
             raise Refused(f'{command}: {reply["reason"]}')
-        self._commands = True
+        self._moves = MOVES.get(command, self._moves)
 
     def _until(self, done: Any, otherwise: str) -> None:
         with self._changed:

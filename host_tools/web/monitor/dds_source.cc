@@ -20,34 +20,6 @@ constexpr std::array<const Topic*, 10> kTopics = {
 /// Largest number of commands without reply of one sender; its oldest is dropped, and none of another.
 constexpr std::size_t kAskedAtMost = 32;
 
-telemetry::CommandKind wire_kind(CommandKind kind) {
-  switch (kind) {
-    case CommandKind::stand:
-      return telemetry::CommandKind::stand;
-    case CommandKind::step:
-      return telemetry::CommandKind::step;
-    case CommandKind::walk:
-      return telemetry::CommandKind::walk;
-    case CommandKind::speed:
-      return telemetry::CommandKind::speed;
-    case CommandKind::height:
-      return telemetry::CommandKind::height;
-    case CommandKind::sit:
-      return telemetry::CommandKind::sit;
-    case CommandKind::stop:
-      return telemetry::CommandKind::stop;
-    case CommandKind::reset:
-      return telemetry::CommandKind::reset;
-    case CommandKind::tunable:
-      return telemetry::CommandKind::tunable;
-    case CommandKind::cut:
-      return telemetry::CommandKind::cut;
-    case CommandKind::heartbeat:
-      break;
-  }
-  return telemetry::CommandKind::heartbeat;
-}
-
 }  // namespace
 
 DdsSource::DdsSource(const telemetry::Network& network, std::string token,
@@ -124,7 +96,7 @@ void DdsSource::stop_others(const Command& command) {
     }
     if (token.empty()) continue;
     commander_.set_run(run.run_id, token);
-    static_cast<void>(commander_.send(telemetry::CommandKind::stop));
+    static_cast<void>(commander_.send(CommandKind::stop));
   }
 }
 
@@ -155,7 +127,7 @@ void DdsSource::answer(const telemetry::CommandReply& reply, SampleSink& sink) {
 void DdsSource::command(const Command& command) {
   const std::string& token = command.token.empty() ? active_token_ : command.token;
   commander_.set_run(decoder_.run_id(), token);
-  const std::uint64_t number = commander_.send(wire_kind(command.kind), command.value, command.tunable);
+  const std::uint64_t number = commander_.send(command.kind, command.value, command.tunable);
   if (command.kind == CommandKind::heartbeat) return;
   std::deque<Asked>& of_sender = asked_[command.commander];
   of_sender.push_back({number, decoder_.run_id(), command.sequence, token});

@@ -1,10 +1,10 @@
 #include "host_tools/web/monitor/live_view.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <random>
 
 #include "firmware/telemetry/secret.h"
-#include "host_tools/web/monitor/page_commands.h"
 
 namespace stilt::monitor {
 namespace {
@@ -93,25 +93,37 @@ void LiveView::apply(Page& page, const std::string& text, double now_s) {
   if (message->from_s && !source_.live()) play_from(*message->from_s);
   if (message->hold && !source_.live()) hold(*message->hold);
   if (!message->run.empty()) choose(page, message->run);
-  if (message->is_command) command(page, std::move(message->command));
+  if (message->is_command) command(page, std::move(*message));
 }
 
-void LiveView::command(Page& page, Command command) {
-  if (!source_.live()) {
-    page.peer->send(reply_message(command.sequence, false, "This is a record: it takes no commands."));
-    return;
-  }
+std::string LiveView::refusal(const Page& page, const PageMessage& message) const {
+  const Command& command = message.command;
+  if (!source_.live()) return "This is a record: it takes no commands.";
   if (command.token.empty() && !may_use_token(page)) {
-    page.peer->send(reply_message(command.sequence, false,
-                                  page.has_key
-                                      ? "A token is needed: the monitor cannot read that of this run."
-                                      : "This page only looks: open the link that stilt monitor "
-                                        "printed, or enter the token of the run."));
+    return page.has_key
+               ? "A token is needed: the monitor cannot read that of this run."
+               : "This page only looks: open the link that stilt monitor printed, or enter the token "
+                 "of the run.";
+  }
+  const double age_s = now_s_ - message.link_time_s.value_or(now_s_);
+  if (age_s <= kOldestLink_s || telemetry::is_of_everybody(command.kind)) return {};
+  char text[128];
+  std::snprintf(
+      text, sizeof text,
+      "The page's data were %.1f s old when this order came, %.1f s at most: look, then order again.", age_s,
+      kOldestLink_s);
+  return text;
+}
+
+void LiveView::command(Page& page, PageMessage&& message) {
+  Command& command = message.command;
+  if (const std::string reason = refusal(page, message); !reason.empty()) {
+    page.peer->send(reply_message(command.sequence, false, reason));
     return;
   }
   command.commander = page.commander;
   command.with_known_tokens = page.has_key;
-  page.asked[command.sequence] = command.token;
+  page.asked[command.sequence] = {command.kind, command.token};
   if (page.asked.size() > kAskedAtMost) page.asked.erase(page.asked.begin());
   source_.command(command);
 }
@@ -244,9 +256,11 @@ void LiveView::reply(const ReplySample& sample) {
   if (page == pages_.end()) return;
   const auto asked = page->asked.extract(sample.sequence);
   if (sample.accepted && !asked.empty()) {
-    for (Page& other : pages_) other.in_command = false;
-    page->in_command = true;
-    page->token = asked.mapped();
+    if (telemetry::makes_commander(asked.mapped().kind)) {
+      for (Page& other : pages_) other.in_command = false;
+      page->in_command = true;
+    }
+    page->token = asked.mapped().token;
     rate(*page);
   }
   page->peer->send(reply_message(sample.sequence, sample.accepted, sample.reason));
@@ -280,6 +294,7 @@ void LiveView::send_heartbeats(double now_s) {
 
 void LiveView::send_link_status(double now_s) {
   link_s_ = now_s;
+  link_.time_s = now_s;
   link_.of_others = source_.of_others();
   link_.talking = source_.talking();
   link_.playback = source_.playback();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/web/monitor/history.h"
+#include "host_tools/web/monitor/page_commands.h"
 #include "host_tools/web/monitor/page_inbox.h"
 #include "host_tools/web/monitor/page_messages.h"
 #include "host_tools/web/monitor/sample_source.h"
@@ -19,14 +20,19 @@ namespace stilt::monitor {
 /// The WebSocket /live: passes samples on to every open page, and commands of the pages to the source.
 ///
 /// A page may command when it sends the run's token. A page that has sent the monitor's key may use the
-/// tokens that the source has. Nothing follows from where a page is. The page whose command was accepted
-/// last is in command. While that page sends signs of life, several per second, the robot gets a heartbeat.
+/// tokens that the source has. Nothing follows from where a page is. The page whose order of motion was
+/// accepted last is in command. While that page sends signs of life, several per second, the robot gets a
+/// heartbeat.
 class LiveView final : public Endpoint, private SampleSink {
  public:
   /// Seconds without a sign of life after which a page's heartbeat is no longer passed on.
   static constexpr double kPageSilence_s = 0.5;
   static constexpr double kHeartbeatPeriod_s = 0.08;
-  static constexpr double kLinkPeriod_s = 0.2;
+  static constexpr double kLinkPeriod_s = 0.1;
+
+  /// Age of the newest link message of a page, up to which its orders are taken. Where the network stood
+  /// still for longer, an order comes late, and its operator did not see what the robot did meanwhile.
+  static constexpr double kOldestLink_s = 0.5;
 
   /// Commands of a page without reply; the one with the lowest number is forgotten.
   static constexpr std::size_t kAskedAtMost = 32;
@@ -46,12 +52,18 @@ class LiveView final : public Endpoint, private SampleSink {
   void closed(Peer& peer) override;
 
  private:
+  /// A command without reply.
+  struct Asked {
+    CommandKind kind;
+    std::string token;
+  };
+
   struct Page {
     std::shared_ptr<Peer> peer;
     std::uint64_t commander = 0;
     double alive_s = 0.0;
-    std::string token{};                           ///< of its last accepted command to the run that is shown
-    std::map<std::uint32_t, std::string> asked{};  ///< tokens of its commands without reply, by their numbers
+    std::string token{};                     ///< of its last accepted command to the run that is shown
+    std::map<std::uint32_t, Asked> asked{};  ///< by its numbers of them
     bool in_command = false;
     bool has_key = false;
     bool sent_has_token = false;  ///< in the last access message
@@ -75,7 +87,9 @@ class LiveView final : public Endpoint, private SampleSink {
   void take_key(Page& page, const std::string& key);
   void replace_key(Page& page);
   void send_access(Page& page);
-  void command(Page& page, Command command);
+  void command(Page& page, PageMessage&& message);
+  /// Why a page may not give this command now, one sentence; empty: it may.
+  [[nodiscard]] std::string refusal(const Page& page, const PageMessage& message) const;
   void choose(Page& page, const std::string& run_id);
   void play_from(double from_s);
   void hold(bool held);

@@ -1,5 +1,6 @@
 #include "host_tools/web/monitor/page_commands.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -11,8 +12,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::array<const char*, 11> kNames = {"stand", "step",  "walk",    "speed",     "height", "sit",
-                                                "stop",  "reset", "tunable", "heartbeat", "cut"};
+/// Those that a page may send.
+constexpr std::array<CommandKind, 11> kKinds = {
+    CommandKind::stand,   CommandKind::step,      CommandKind::walk, CommandKind::speed,
+    CommandKind::height,  CommandKind::sit,       CommandKind::stop, CommandKind::reset,
+    CommandKind::tunable, CommandKind::heartbeat, CommandKind::cut};
 
 /// The member of that name, or the fallback when it is missing. Throws Json::exception for another type.
 template <class Value>
@@ -21,9 +25,9 @@ Value member(const Json& json, const char* key, Value fallback) {
 }
 
 std::expected<CommandKind, std::string> kind_of(const std::string& text) {
-  for (std::size_t k = 0; k < kNames.size(); ++k) {
-    if (text == kNames[k]) return static_cast<CommandKind>(k);
-  }
+  const auto found =
+      std::ranges::find_if(kKinds, [&text](CommandKind kind) { return text == telemetry::name(kind); });
+  if (found != kKinds.end()) return *found;
   return std::unexpected(
       "'" + text +
       "' is no command; stand, step, walk, speed, height, sit, stop, cut, reset and tunable are");
@@ -50,6 +54,7 @@ std::expected<PageMessage, std::string> read(const Json& json) {
   command.sequence = sequence.get<std::uint32_t>();
   command.token = member<std::string>(json, "token", "");
   command.tokens_of_others = member<std::map<std::string, std::string>>(json, "tokens", {});
+  if (json.contains("link_time_s")) message.link_time_s = json.at("link_time_s").get<double>();
   command.value = member(json, "value", 0.0);
   command.tunable = member<std::string>(json, "tunable", "");
   if (!std::isfinite(command.value)) return std::unexpected(std::string("the value is not a number"));
@@ -67,7 +72,5 @@ std::expected<PageMessage, std::string> parse_page_message(std::string_view text
     return std::unexpected(std::string("not a message of the page: ") + error.what());
   }
 }
-
-const char* name(CommandKind kind) { return kNames[static_cast<std::size_t>(kind)]; }
 
 }  // namespace stilt::monitor

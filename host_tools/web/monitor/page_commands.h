@@ -13,6 +13,9 @@
 ///   {"alive": true}   several times per second
 ///   {"command": "walk", "sequence": 3, "value": 0.5, "tunable": "", "token": "", "tokens": {}}
 ///                     only the first two members are required; `tokens` are those of other runs, for stop
+///   {..., "link_time_s": 71.3}   of a command: `time_s` of the newest `link` message that the page has. When that
+///                     is older than kOldestLink_s the command is refused, but for stop and cut. Without this
+///                     member the age is not known, and nothing is refused for it.
 ///   {"key": "..."}    the monitor's key, first of all when the page has it
 ///   {"new_key": true} the key ends, another one begins
 ///   {"from": 12.5}    plays a record from that time of Playback, s
@@ -23,19 +26,17 @@ namespace stilt::monitor {
 
 /// A message of the page.
 struct PageMessage {
-  bool is_command = false;       ///< false: a sign of life
-  std::optional<double> from_s;  ///< a record is played from there; finite
-  std::optional<bool> hold;      ///< of a record; none: no change
-  std::string run;               ///< run to show from now on; empty: no change
-  std::string key;               ///< of the monitor; empty: none is given
-  bool new_key = false;          ///< whether the monitor's key is replaced
-  Command command;               ///< `commander` is set by the caller
+  bool is_command = false;            ///< false: a sign of life
+  std::optional<double> from_s;       ///< a record is played from there; finite
+  std::optional<bool> hold;           ///< of a record; none: no change
+  std::string run;                    ///< run to show from now on; empty: no change
+  std::string key;                    ///< of the monitor; empty: none is given
+  bool new_key = false;               ///< whether the monitor's key is replaced
+  Command command;                    ///< `commander` is set by the caller
+  std::optional<double> link_time_s;  ///< of the newest link message that the page had when it sent a command
 };
 
 /// Parses a message; the error is one sentence.
 [[nodiscard]] std::expected<PageMessage, std::string> parse_page_message(std::string_view text);
-
-/// Name of a command: "walk".
-[[nodiscard]] const char* name(CommandKind kind);
 
 }  // namespace stilt::monitor

@@ -48,13 +48,16 @@ Json names_up_to(Enumeration last) {
   return names;
 }
 
-/// Commands that a robot in that state refuses, each with the reason.
+/// Commands that the page does not send in that state, each with the reason: those that the robot refuses. A
+/// watch takes a height, which means nothing there.
 Json refused_json(supervisor::State state) {
-  using telemetry::CommandKind;
   Json refused = Json::object();
-  for (const CommandKind kind :
-       {CommandKind::stand, CommandKind::step, CommandKind::walk, CommandKind::sit, CommandKind::reset}) {
-    const std::string reason = telemetry::wrong_state(kind, state);
+  for (const CommandKind kind : {CommandKind::stand, CommandKind::step, CommandKind::walk, CommandKind::sit,
+                                 CommandKind::reset, CommandKind::height, CommandKind::tunable}) {
+    std::string reason = telemetry::wrong_state(kind, state);
+    if (reason.empty() && state == supervisor::State::watch) {
+      reason = "the robot is in state watch, where Motors off is the only order";
+    }
     if (!reason.empty()) refused[telemetry::name(kind)] = reason;
   }
   return refused;
@@ -187,6 +190,7 @@ SharedMessage link_message(const LinkStatus& status) {
                 {"held", status.playback->held}};
   }
   return text({{"type", "link"},
+               {"time_s", status.time_s},
                {"received", status.received},
                {"silent_s", status.silent_s},
                {"ticks", status.ticks},

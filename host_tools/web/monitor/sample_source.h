@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "firmware/telemetry/command_kind.h"
 #include "host_tools/web/monitor/samples.h"
 
 namespace stilt::monitor {
 
-enum class CommandKind { stand, step, walk, speed, height, sit, stop, reset, tunable, heartbeat, cut };
+using telemetry::CommandKind;
 
 /// A command of an operator to the robot.
 struct Command {

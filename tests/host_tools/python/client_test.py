@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 import unittest
+from collections.abc import Callable
 
 import programs  # noqa: F401  finds the package
 import stilt
@@ -37,7 +38,28 @@ class Client(unittest.TestCase):
                                   ('tunable', lambda: self.robot.tune('gait.swing_height_m', value))):
                 with self.assertRaisesRegex(ValueError, f'^{name}: the value is {value}; give a finite number$'):
                     command()
-        self.assertFalse([message for _, message in self.monitor._received if 'command' in message])
+        self.assertEqual(self.monitor.commands(), [])
+
+    def test_the_end_of_the_block_stops_a_robot_that_was_moved_and_lets_it_sit_down(self):
+        def sent(*orders: Callable[[stilt.Robot], None]) -> list[str]:
+            monitor = StubMonitor()
+            self.addCleanup(monitor.close)
+            with stilt.Robot(monitor.address, token='0' * 32, patience_s=PATIENCE_S) as robot:
+                for order in orders:
+                    order(robot)
+            return monitor.commands()
+
+        def lower(robot: stilt.Robot) -> None:
+            robot.set_height(0.76)
+
+        stand, sit, off = stilt.Robot.stand, stilt.Robot.sit, stilt.Robot.motors_off
+        self.assertEqual(sent(stand), ['stand', 'stop'])
+        self.assertEqual(sent(sit, stand), ['sit', 'stand', 'stop'])
+        self.assertEqual(sent(stand, lower), ['stand', 'height', 'stop'])
+        self.assertEqual(sent(stand, sit), ['stand', 'sit'])
+        self.assertEqual(sent(stand, sit, lower), ['stand', 'sit', 'height'])
+        self.assertEqual(sent(stand, off), ['stand', 'cut'])
+        self.assertEqual(sent(lower), ['height'], 'it moves nothing')
 
     def test_a_wait_may_be_infinite_and_not_nan(self):
         for wait in (lambda: self.robot.wait(math.nan), lambda: self.robot.wait_for('stand', math.nan)):

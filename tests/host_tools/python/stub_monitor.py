@@ -23,7 +23,7 @@ GREETING = (
 
 
 class StubMonitor:
-    """Greets one client like a live monitor whose robot stands, and sends no more by itself."""
+    """Greets one client like a live monitor whose robot stands, takes all commands, and sends no more by itself."""
 
     def __init__(self) -> None:
         self._listener = socket.create_server(('127.0.0.1', 0))
@@ -48,6 +48,9 @@ class StubMonitor:
             if not self._changed.wait_for(lambda: len(times()) >= count, PATIENCE_S):
                 raise AssertionError(f'{len(times())} instead of {count} messages with {key}')
             return times()[:count]
+
+    def commands(self) -> list[str]:
+        return [message['command'] for _, message in self._received if 'command' in message]
 
     def close(self) -> None:
         self._listener.close()
@@ -83,7 +86,10 @@ class StubMonitor:
         data = bytes(byte ^ mask[k % 4] for k, byte in enumerate(self._stream.read(size)))
         if opcode & 0xf == CLOSE:
             return False
+        message = json.loads(data)
         with self._changed:
-            self._received.append((time.monotonic(), json.loads(data)))
+            self._received.append((time.monotonic(), message))
             self._changed.notify_all()
+        if 'command' in message:
+            self.send({'type': 'reply', 'sequence': message['sequence'], 'accepted': True, 'reason': ''})
         return True

@@ -4,12 +4,22 @@ const kAlivePeriod_ms = 100;
 const kSpeedPeriod_ms = 100;
 const kPatience_ms = 3000;
 const kHeightTunable = 'reference.base_height_m';
+/** States in which the robot stands, and the commands that lead there. */
+const kOnItsFeet = ['stand', 'step', 'walk'];
+/** Also by a page whose data are stale. */
+const kAlwaysSent = ['stop', 'cut'];
 const kKeys = { s: 'stand', t: 'step', w: 'walk', d: 'sit', r: 'reset' };
 
 /** A link, and its QR code for the camera of a phone. */
 function linkItem(link) {
   const code = qrPicture(link, 'QR code of this link');
   return element('li', {}, element('a', { href: link, textContent: link }), ...(code ? [code] : []));
+}
+
+/** Says under the pointer why a control is grey; without a reason, what it does. */
+function explain(control, reason) {
+  control.title0 ??= control.title;
+  control.title = reason === undefined ? control.title0 : `Not now: ${reason}`;
 }
 
 class CommandPanel {
@@ -66,6 +76,7 @@ class CommandPanel {
 
   /** The connection is open: the monitor takes the key before any command, and reports what the page may do. */
   present() {
+    this.linkTime_s = undefined;  // another monitor has another clock
     this.connection.send({ key: localStorage.getItem('key') ?? 'none' });
   }
 
@@ -125,15 +136,23 @@ class CommandPanel {
     if (!hello.live) this.say(`A record: it takes no commands. ${hello.source}`, '');
   }
 
-  /** Buttons that the robot would refuse are grey and say why. */
-  supervise(state) {
-    this.refused = state.refused;
+  /** Buttons that the robot would refuse are grey and say why. `latched`: names of faults that wait for a reset. */
+  supervise(state, latched) {
+    const sits = latched.length > 0 && kOnItsFeet.includes(state.name);
+    const reason = `the robot sits down because of ${latched.join(' and ')}, which then takes a reset`;
+    this.refused = { ...(sits ? Object.fromEntries(kOnItsFeet.map((command) => [command, reason])) : {}), ...state.refused };
     for (const button of document.querySelectorAll('[data-command]')) {
-      button.title0 ??= button.title;
-      const reason = this.refused[button.dataset.command];
-      button.setAttribute('aria-disabled', String(reason !== undefined));
-      button.title = reason === undefined ? button.title0 : `Not now: ${reason}`;
+      button.setAttribute('aria-disabled', String(this.refused[button.dataset.command] !== undefined));
+      explain(button, this.refused[button.dataset.command]);
     }
+    this.admitHeight();
+  }
+
+  /** There is a height to change, of a robot that takes it. */
+  admitHeight() {
+    const refused = this.refused?.height;
+    this.height.disabled = this.activeHeight_m === undefined || !this.robot.hello.live || refused !== undefined;
+    explain(this.height, refused);
   }
 
   /** The sliders go as far as the controller lets. */
@@ -148,13 +167,12 @@ class CommandPanel {
   }
 
   configureHeight(tunable) {
-    this.height.disabled = tunable === undefined || !this.robot.hello.live;
+    this.activeHeight_m = tunable?.value;
+    this.admitHeight();
     if (tunable === undefined) return;
     this.height.min = String(tunable.min);
     this.height.max = String(tunable.max);
-    this.activeHeight_m = tunable.value;
-    this.height.value = String(tunable.value);
-    this.showHeight();
+    this.showActiveHeight();
   }
 
   showHeight() {
@@ -169,21 +187,28 @@ class CommandPanel {
   }
 
   nudgeHeight(steps) {
-    if (this.height.disabled) return;
+    if (this.height.disabled && this.refused?.height === undefined) return;
     this.height.value = String(Number(this.height.value) + 0.01 * steps);
     this.changeHeight();
   }
 
+  /** Why a command is not even sent; undefined: it is. What the robot would refuse is not known from stale data. */
+  unsent(command) {
+    if (!document.body.classList.contains('stale')) return this.refused?.[command];
+    return kAlwaysSent.includes(command) ? undefined
+      : 'not sent, because the data are stale and it would act later; Stop and Motors off are sent';
+  }
+
   /** Sends a command; the answer appears below the buttons. */
   ask(command, extra = {}) {
-    const stale = document.body.classList.contains('stale');
-    const reason = stale ? undefined : this.refused?.[command];
+    const reason = this.unsent(command);
     if (reason !== undefined) {
       this.say(`${command}: ${reason}${/from (stand|ready)/.test(reason) && !this.refused.stand ? '. Press Stand first' : ''}`, 'bad');
+      this.showActiveHeight();
       return;
     }
     const sequence = ++this.sequence;
-    const message = { command, sequence, token: this.token.value, ...extra };
+    const message = { command, sequence, token: this.token.value, link_time_s: this.linkTime_s, ...extra };
     if (command === 'stop') message.tokens = this.tokens;
     if (command === 'walk' && extra.value === undefined) message.value = Number(this.speed.value);
     if (!this.connection.send(message)) {
@@ -205,10 +230,13 @@ class CommandPanel {
     this.waiting.delete(message.sequence);
     if (message.accepted) this.say(`${asked.what}: accepted${message.reason && `; ${message.reason}`}`, message.reason ? '' : 'good');
     else this.say(`${asked.what}: refused. ${message.reason}`, 'bad');
-    if (!message.accepted && this.activeHeight_m !== undefined) {
-      this.height.value = String(this.activeHeight_m);
-      this.showHeight();
-    }
+    if (!message.accepted) this.showActiveHeight();
+  }
+
+  showActiveHeight() {
+    if (this.activeHeight_m === undefined) return;
+    this.height.value = String(this.activeHeight_m);
+    this.showHeight();
   }
 
   say(text, kind) {

@@ -61,7 +61,7 @@ class Monitor {
       supervisor: () => {
         this.robot.supervisor = message;
         this.status.supervise(message);
-        this.commands.supervise(this.robot.hello.states[message.state]);
+        this.commands.supervise(this.robot.hello.states[message.state], this.status.latched);
       },
       event: () => this.addEvent(message),
       timing: () => {
@@ -70,6 +70,7 @@ class Monitor {
       },
       link: () => {
         this.status.report(message, now_s);
+        this.commands.linkTime_s = message.time_s;
         this.record.show(message.playback);
       },
       reply: () => this.commands.reply(message),

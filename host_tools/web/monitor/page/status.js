@@ -1,7 +1,7 @@
 // The state of the robot and of the connection, in words.
 
 const kStale_s = 0.5;
-/** The monitor reports on the link five times per second. */
+/** The monitor reports on the link ten times per second. */
 const kUnreported_s = 1;
 const kReactionText = {
   none: 'nothing', warn: 'nothing; it is only reported', slow: 'walking becomes stepping in place, and that standing',
@@ -10,8 +10,15 @@ const kReactionText = {
 const kLevelText = {
   plan: 'following the newest plan', plan_feedback: 'following an aged plan', gait: 'following the gait library',
   hold: 'holding the pose',
-  sit: 'sitting down', damp: 'joints damped', off: 'motors left alone',
+  sit: 'sitting down', damp: 'joints damped', off: 'motors off',
 };
+
+/** What the robot does about a fault; `toml`: of the run, undefined where none is known. */
+function reactionText(fault, toml) {
+  if (fault.name !== 'emergency_stop') return kReactionText[fault.reaction];
+  const damps_s = toml?.match(/^emergency_stop_damps_s = ([\d.e+-]+)/m)?.[1];
+  return `damps the joints${damps_s === undefined ? '' : ` for ${Number(damps_s)} s`}, then turns the motors off`;
+}
 
 /** Numbers of more than 32 bits are beyond the bitwise operators. */
 const hasBit = (number, bit) => Math.floor(number / 2 ** bit) % 2 === 1;
@@ -34,7 +41,7 @@ class StatusPanel {
     const body = table.createTBody();
     for (const fault of hello.faults) {
       const row = body.insertRow();
-      for (const text of [fault.number, fault.name, fault.cause, kReactionText[fault.reaction], clearing(fault)]) {
+      for (const text of [fault.number, fault.name, fault.cause, reactionText(fault), clearing(fault)]) {
         row.insertCell().textContent = text;
       }
       const button = plotButton(fault, fault.name, this.showPlots);
@@ -54,6 +61,11 @@ class StatusPanel {
     document.getElementById('run-list').replaceChildren(
       ...facts.flatMap(([name, value]) => [element('dt', { textContent: name }), element('dd', { textContent: value })]));
     if (isOther) this.runChanged_s = now_s;
+  }
+
+  /** Names of the faults that wait for a reset. */
+  get latched() {
+    return this.robot.hello.faults.filter((_, bit) => hasBit(this.robot.supervisor.latched, bit)).map(({ name }) => name);
   }
 
   /** The supervisor's state, the fallback level and the faults. */
@@ -80,7 +92,7 @@ class StatusPanel {
       const latched = hasBit(message.latched, bit);
       if (!present && !latched) return [];
       const toPlot = plotButton(fault, 'Plot', this.showPlots);
-      return [faultCard(fault, present, latched, found[fault.name], toPlot)];
+      return [faultCard(fault, present, latched, found[fault.name], toPlot, this.robot.configuration?.toml)];
     });
     const list = document.getElementById('fault-list');
     list.replaceChildren(...(cards.length > 0 ? cards : [element('p', { className: 'fine', textContent: 'None.' })]));
@@ -179,13 +191,13 @@ function clearing(fault) {
   return fault.severity === 'latched' ? `${fault.clears}; then Reset` : fault.clears;
 }
 
-/** `found`: joint or bus, driver, value and limit, in words; `toPlot`: button to its plot. Both may be missing. */
-function faultCard(fault, present, latched, found, toPlot) {
+/** `found`: joint or bus, driver, value and limit, in words; `toPlot`: button to its plot. Each may be missing, as `toml`. */
+function faultCard(fault, present, latched, found, toPlot, toml) {
   const when = present ? 'happening now' : 'over; waits for Reset';
   return element('article', { className: `fault ${latched ? 'latched' : fault.severity}` },
     element('h3', {}, `${fault.name} `, element('small', { textContent: `${fault.number} · ${when}` }), ...(toPlot ? [toPlot] : [])),
     element('p', {}, `Cause: ${fault.cause}.`),
     ...(found ? [element('p', { className: 'found', textContent: `Found: ${found}.` })] : []),
-    element('p', {}, `The robot: ${kReactionText[fault.reaction]}.`),
+    element('p', {}, `The robot: ${reactionText(fault, toml)}.`),
     element('p', {}, `Clears when: ${clearing(fault)}.`));
 }

@@ -237,7 +237,10 @@ test('a watch shows limp joints and the emergency stop, and takes no order but i
     '--set', `telemetry.domain=${kDomain}`, '--set', `telemetry.token_file=${join(folder, 'token')}`]);
   await state('watch');
   await waitFor('#emergency-stop', /^emergency stop released$/);
-  assert.equal(await page.getAttribute('[data-command="stand"]', 'aria-disabled'), 'true');
+  for (const command of ['stand', 'step', 'walk', 'sit', 'reset']) {
+    assert.equal(await page.getAttribute(`[data-command="${command}"]`, 'aria-disabled'), 'true', command);
+  }
+  assert.ok(await page.isDisabled('#height'));
   await until('the pose', async () => /the place of the hip is not known/.test(await text('#stage-detail')));
   await picture(page, 'live_watch');
   await page.click('#cut');

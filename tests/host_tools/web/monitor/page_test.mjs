@@ -98,8 +98,32 @@ test('a silent controller is shown at once, and the picture is marked as old', a
   await until('the alarm', async () => /No data for .* the data are stale/.test(await text('#alarm')));
   assert.equal(await text('#stage-cover'), 'STALE DATA');
   await picture(page, 'stale');
+  await page.keyboard.press('w');
+  await answer(/walk: not sent, because the data are stale .*; Stop and Motors off are sent/);
+  await page.keyboard.press('Escape');
+  await answer(/stop: accepted/);
   monitor.write('talk');
   await until('no alarm', async () => page.isHidden('#alarm'));
+});
+
+test('a walk that is pressed while the link stands still is refused when the link is back, and stop is not', async () => {
+  const press = async (key) => {
+    monitor.process.kill('SIGSTOP');
+    try {
+      await page.keyboard.press(key);
+      await page.waitForTimeout(700);
+    } finally {
+      monitor.process.kill('SIGCONT');
+    }
+  };
+  await press('w');
+  await answer(/walk at 0.50 m\/s: refused. The page's data were [\d.]+ s old .*: look, then order again/);
+  assert.equal(await text('#state'), 'stand');
+  await until('live data', async () => /^live/.test(await text('#link-status')));
+  await page.keyboard.press('w');
+  await state('walk');
+  await press('Escape');
+  await answer(/stop: accepted/);
 });
 
 for (const source of ['robot', 'record']) {
@@ -130,6 +154,8 @@ test('Shift and Escape, or a button, turn the motors off', async () => {
   await page.keyboard.press('Shift+Escape');
   await answer(/cut: accepted/);
   await state('off');
+  assert.ok(await page.isDisabled('#height'));
+  assert.match(await page.getAttribute('#height', 'title'), /Not now: the robot is in state off/);
   await page.evaluate(() => { document.getElementById('answer').textContent = ''; });
   await page.click('#cut');
   await answer(/cut: accepted/);
@@ -157,6 +183,29 @@ test('a fault says its cause, what the robot does and what clears it', async () 
   await picture(page, 'fault');
   await page.keyboard.press('r');
   await until('none', async () => (await text('#fault-list')) === 'None.');
+});
+
+test('an emergency stop damps the joints for a time, then the motors are off', async () => {
+  monitor.write('fault emergency_stop pressed');
+  await state('fault');
+  assert.match(await until('the fault', () => text('.fault')), /The robot: damps the joints for 3 s, then turns the motors off\./);
+  assert.match(await text('#fault-table'), /emergency_stop.*damps the joints, then turns the motors off/);
+});
+
+test('a robot that sits down because of a fault is not asked to stand, step or walk', async () => {
+  await page.keyboard.press('w');
+  await state('walk');
+  monitor.write('fault stale_plan');
+  await until('the fault', () => text('.fault'));
+  for (const command of ['stand', 'step', 'walk']) {
+    const button = page.locator(`[data-command=${command}]`);
+    await until(`${command} grey`, async () => (await button.getAttribute('aria-disabled')) === 'true');
+    assert.match(await button.getAttribute('title'), /Not now: the robot sits down because of stale_plan, which then takes a reset/);
+  }
+  await page.keyboard.press('t');
+  await answer(/step: the robot sits down because of stale_plan/);
+  assert.equal(await text('#state'), 'walk');
+  assert.equal(await page.getAttribute('[data-command=sit]', 'aria-disabled'), 'false');
 });
 
 const pointedOut = () => page.$$eval('figure.pointed-out', (figures) => figures.map((figure) => figure.dataset.title));

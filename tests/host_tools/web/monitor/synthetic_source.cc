@@ -75,7 +75,8 @@ void SyntheticSource::change(const std::string& words) {
     const std::uint64_t bit = bit_of(argument);
     present_ |= bit;
     if (supervisor::of_severity(supervisor::Severity::latched).bits() & bit) latched_ |= bit;
-    if (latched_ != 0) state_ = number(State::fault);
+    const bool falls = supervisor::reaction(supervisor::FaultSet(latched_)) > supervisor::Reaction::sit;
+    if (falls) state_ = number(State::fault);
     std::getline(stream >> std::ws, found_[argument]);
     publish_event("fault: " + argument, true);
   } else if (verb == "event") {
@@ -326,7 +327,7 @@ void SyntheticSource::introduce(SampleSink& sink) {
   sample.run_id = run();
   sample.robot = "amber3m";
   sample.build = "a test";
-  sample.toml = "[inequality]\nfriction_coefficient = 0.6\n";
+  sample.toml = "[inequality]\nfriction_coefficient = 0.6\n[supervisor]\nemergency_stop_damps_s = 3.0\n";
   sample.tunables.push_back(
       {"gait.swing_height_m", "m", "Apex of the swing foot above the ground", 0.005, 0.3, swing_height_m_});
   sample.tunables.push_back(
