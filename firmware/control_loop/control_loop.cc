@@ -74,7 +74,7 @@ void ControlLoop::begin_standing(std::int64_t now_ns, const gait::GaitCommand& c
 void ControlLoop::tick(const TickTiming& timing, const model::StateVector* known_state) noexcept {
   trace::tick_begin(ticks_, timing.now_ns, timing.wakeup_latency_ns);
   take_tuning();
-  const OperatorCommand& command = mail_->commands.newest();
+  const OperatorCommand command = mail_->stops.merged_into(mail_->commands.newest());
   const PlanningResult& result = mail_->results.newest();
 
   const control::SensorReading reading = read(timing.now_ns);
