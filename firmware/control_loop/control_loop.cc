@@ -354,11 +354,11 @@ void ControlLoop::record(const TickTiming& timing, const OperatorCommand& comman
   record_.execution_ns = timing.execution_ns;
   record_.bus_round_trip_ns = timing.bus_round_trip_ns;
   mail_->telemetry.push(record_);
-  const bool harder = decision.reaction >= supervisor::Reaction::hold && decision.reaction > reaction_before_;
-  reaction_before_ = decision.reaction;
+  const bool harder = decision.reaction >= supervisor::Reaction::hold && decision.reaction > kept_reaction_;
   if (TickRecord* kept = mail_->black_box.claim()) {
     *kept = record_;
     mail_->black_box.commit(harder);
+    kept_reaction_ = decision.reaction;
   }
 }
 

@@ -138,8 +138,8 @@ class ControlLoop {
   std::uint32_t episodes_ = 0;  ///< ever begun
   double episode_start_s_ = 0.0;
   bool waiting_reported_ = false;
-  supervisor::State before_ = supervisor::State::boot;                 ///< in the tick before
-  supervisor::Reaction reaction_before_ = supervisor::Reaction::none;  ///< in the tick before
+  supervisor::State before_ = supervisor::State::boot;               ///< in the tick before
+  supervisor::Reaction kept_reaction_ = supervisor::Reaction::none;  ///< the newest in the black box
   TickRecord record_;
 };
 

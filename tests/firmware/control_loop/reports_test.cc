@@ -92,6 +92,24 @@ TEST_F(ControlLoopReports, TheBlackBoxIsThereForTheFallAfterAGlitchAndForOneOfAF
   EXPECT_FALSE(rig->mail.black_box.frozen()) << "the fall is in one record only";
 }
 
+TEST_F(ControlLoopReports, AFallWhileTheBlackBoxIsFrozenTriggersItWhenItIsArmedAgain) {
+  rig->mail.black_box.set_aftermath(20);
+  rig->stand();
+  rig->joints.silent = true;
+  rig->run(5);
+  rig->joints.silent = false;
+  rig->run(50);
+  ASSERT_TRUE(rig->mail.black_box.frozen());
+  rig->joints.emergency_stop = hal::EmergencyStopState::pressed;
+  rig->run(50);
+  rig->mail.black_box.rearm();
+  rig->run(50);
+  ASSERT_TRUE(rig->mail.black_box.frozen());
+  const auto& box = rig->mail.black_box;
+  EXPECT_EQ(box.record(box.trigger()).state, State::fault);
+  EXPECT_EQ(box.record(box.trigger() - 1).state, State::stand) << "from before it was frozen";
+}
+
 TEST_F(ControlLoopReports, ARecordHoldsTheTimesOfItsTickAndWhatLeft) {
   rig->stand();
   rig->cycle.tick(
