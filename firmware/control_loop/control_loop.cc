@@ -365,7 +365,7 @@ void ControlLoop::record(const TickTiming& timing, const OperatorCommand& comman
 void ControlLoop::push(const Event& event) noexcept {
   Event timed = event;
   timed.time_s = time_s_;
-  mail_->events.push(timed);
+  control_loop::push(mail_->events, timed);
 }
 
 void ControlLoop::report_events(const supervisor::Observation& seen) noexcept {
@@ -385,6 +385,7 @@ void ControlLoop::report_events(const supervisor::Observation& seen) noexcept {
   const bool stood_up = before_ == State::stand && decision.state == State::ready;
   if (decision.entered && stood_up) push({.kind = Event::Kind::lost_stance, .pose = stance_miss_});
   before_ = decision.state;
+  if (decision.state != State::off) last_state_ = decision.state;
   const bool waits = decision.state == State::ready && decision.waits_to_stand;
   if (waits && !waiting_reported_) push({.kind = Event::Kind::waits_for_pose, .pose = stand_miss_});
   if (decision.stand_void) push({.kind = Event::Kind::stopped_waiting, .pose = stand_miss_});

@@ -129,6 +129,11 @@ void check_goal(const Options& options, const ControllerState& state, Outcome& o
 }
 
 void take_statistics(const ControllerState& state, Outcome& outcome) {
+  if (state.loop.ticks > 0) {
+    const supervisor::SupervisorOutput& end = state.control.decision();
+    take_end({state.control.time_s(), end.state, state.control.last_state(), end.latched},
+             state.mail.events.dropped(), outcome);
+  }
   outcome.ticks = state.loop.ticks;
   outcome.late_ticks = state.loop.late_ticks;
   outcome.missed_periods = state.loop.missed_periods;
