@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "firmware/commissioning/json_text.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/diagnostics/event_text.h"
 #include "firmware/telemetry/telemetry_node.h"
@@ -180,7 +181,7 @@ std::string to_json(const Outcome& outcome) {
     json["realtime"] = outcome.not_realtime;
   }
   if (!outcome.error.empty()) json["error"] = outcome.error;
-  return json.dump(2) + "\n";
+  return commissioning::json_text(json);
 }
 
 }  // namespace stilt::program
