@@ -43,11 +43,13 @@ constexpr const char* kBusesRefused = "buses, drivers or joints cannot do this, 
 /// All state of the controller.
 program::ControllerState controller_state;
 
-program::Signals signals;
+control_loop::StopSignals& stops = controller_state.mail.stops;
 
-void want_stop(int) { signals.stop.store(true, std::memory_order_relaxed); }
+std::atomic<bool> print_asked = false;  ///< histograms so far
+
+void want_stop(int) { stops.shut_down.store(true, std::memory_order_relaxed); }
 void want_cut(int) {
-  signals.cut.store(true, std::memory_order_relaxed);
+  stops.cut.store(true, std::memory_order_relaxed);
   want_stop(0);
 }
 /// A second Ctrl-C cuts. One key press may arrive twice, from the terminal and from a wrapper: not that.
@@ -61,7 +63,7 @@ void want_stop_or_cut(int) {
   if (now_ns - first_ns > kOnePress_ns) return want_cut(0);
   want_stop(0);
 }
-void want_statistics(int) { signals.print_statistics.store(true, std::memory_order_relaxed); }
+void want_statistics(int) { print_asked.store(true, std::memory_order_relaxed); }
 
 std::string version_text() {
   return "stiltd " STILT_VERSION "\ncommit            " + std::string(version::commit()) +
@@ -242,13 +244,13 @@ int run_controller(const program::Options& options) {
     outcome.run_id = (*node)->run_id();
   }
   if (options.lockstep) {
-    program::run_lockstep(options, buses.size(), signals, controller_state, outcome);
+    program::run_lockstep(options, buses.size(), controller_state, outcome);
   } else {
-    program::run_realtime(options, signals, controller_state, outcome);
+    program::run_realtime(options, print_asked, controller_state, outcome);
   }
   say_unacknowledged(buses);
   program::take_statistics(controller_state, outcome);
-  if (!signals.stop.load()) program::check_goal(options, controller_state, outcome);
+  if (!stops.shut_down.load()) program::check_goal(options, controller_state, outcome);
   return report(options, outcome);
 }
 
@@ -260,7 +262,7 @@ int run_self_test(const program::Options& options) {
   if (const auto fit = check_start(options, outcome, machine); !fit) return refuse(options, fit.error());
   if (const auto connected = connect(options, buses); !connected) return refuse(options, connected.error());
   const program::SelfTestResult result =
-      program::run_self_test(options, controller_state, signals.stop, machine.idle.held());
+      program::run_self_test(options, controller_state, stops.shut_down, machine.idle.held());
   say_unacknowledged(buses);
   if (options.json_file != "-") std::fputs(program::to_text(result).c_str(), stdout);
   if (!write_json(options, program::to_json(result))) return kBadUsage;
@@ -297,7 +299,7 @@ int run_commissioning(const program::Options& options) {
     controller_state.telemetry_node = node.get();
   }
   const program::CommissioningOutcome outcome =
-      program::run_commissioning(options, controller_state, signals.stop, *person);
+      program::run_commissioning(options, controller_state, stops.shut_down, *person);
   say_unacknowledged(buses);
   if (options.json_file != "-") std::fputs(outcome.text.c_str(), stdout);
   const bool reported = outcome.json.empty() || write_json(options, outcome.json);

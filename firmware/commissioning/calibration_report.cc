@@ -2,6 +2,7 @@
 
 #include "firmware/commissioning/calibrate.h"
 #include "firmware/commissioning/json_number.h"
+#include "firmware/commissioning/json_text.h"
 #include "firmware/commissioning/values_report.h"
 #include "firmware/control_loop/joint_names.h"
 
@@ -47,7 +48,7 @@ std::string to_json(const CalibrationReport& report, const std::string& file) {
                    {"rate", fit_json(torso.motion.rate)}};
   json["values"] = values_json(report.values);
   json["written"] = file.empty() ? Json(nullptr) : Json(file);
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 }  // namespace stilt::commissioning

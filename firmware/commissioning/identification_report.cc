@@ -6,6 +6,7 @@
 
 #include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/identify.h"
+#include "firmware/commissioning/json_text.h"
 #include "firmware/commissioning/values_report.h"
 #include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/schema.h"
@@ -217,7 +218,7 @@ std::string to_json(const IdentificationReport& report, const std::string& file)
   json["findings"] = report.findings;
   json["values"] = values_json(report.values);
   json["written"] = file.empty() ? Json(nullptr) : Json(file);
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 }  // namespace stilt::commissioning

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "firmware/commissioning/json_number.h"
+#include "firmware/commissioning/json_text.h"
 #include "firmware/control_loop/joint_names.h"
 
 namespace stilt::commissioning {
@@ -133,7 +134,7 @@ std::string to_json(const JogReport& report) {
                      : report.seen.way == Way::backward ? "backward"
                                                         : "forward";
   json["seen_angle_rad"] = report.seen.angle_rad ? nlohmann::ordered_json(*report.seen.angle_rad) : nullptr;
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 }  // namespace stilt::commissioning

@@ -5,6 +5,7 @@
 
 #include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/json_number.h"
+#include "firmware/commissioning/json_text.h"
 #include "firmware/commissioning/scan.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/diagnostics/event_text.h"
@@ -215,7 +216,7 @@ std::string to_json(const ScanResult& result) {
                              {"torso_sensor_trouble", bus.torso_trouble},
                              {"unknown_frames", frames_json(bus.unknown)}});
   }
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 }  // namespace stilt::commissioning

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "firmware/commissioning/json_number.h"
+#include "firmware/commissioning/json_text.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/diagnostics/event_text.h"
 
@@ -121,7 +122,7 @@ std::string to_json_line(const WatchSample& sample) {
                    {"missed_replies", readings.base.missed_replies}};
   json["emergency_stop"] = hal::name(readings.emergency_stop);
   json["bus_errors"] = readings.bus_errors;
-  return json.dump() + "\n";
+  return json_text(json, kOneLine);
 }
 
 }  // namespace stilt::commissioning

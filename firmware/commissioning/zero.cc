@@ -9,6 +9,7 @@
 
 #include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/json_number.h"
+#include "firmware/commissioning/json_text.h"
 #include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/protocol_name.h"
 #include "firmware/control_loop/joint_names.h"
@@ -190,7 +191,7 @@ std::string to_json(const ZeroReport& report) {
   json["shaft_before_rad"] = json_number(report.before_rad);
   json["shaft_after_rad"] = json_number(report.after_rad);
   json["lasts"] = report.lasts;
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 }  // namespace stilt::commissioning

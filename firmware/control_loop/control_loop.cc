@@ -74,7 +74,7 @@ void ControlLoop::begin_standing(std::int64_t now_ns, const gait::GaitCommand& c
 void ControlLoop::tick(const TickTiming& timing, const model::StateVector* known_state) noexcept {
   trace::tick_begin(ticks_, timing.now_ns, timing.wakeup_latency_ns);
   take_tuning();
-  const OperatorCommand& command = mail_->commands.newest();
+  const OperatorCommand command = mail_->stops.merged_into(mail_->commands.newest());
   const PlanningResult& result = mail_->results.newest();
 
   const control::SensorReading reading = read(timing.now_ns);
@@ -354,18 +354,18 @@ void ControlLoop::record(const TickTiming& timing, const OperatorCommand& comman
   record_.execution_ns = timing.execution_ns;
   record_.bus_round_trip_ns = timing.bus_round_trip_ns;
   mail_->telemetry.push(record_);
-  const bool harder = decision.reaction >= supervisor::Reaction::hold && decision.reaction > reaction_before_;
-  reaction_before_ = decision.reaction;
+  const bool harder = decision.reaction >= supervisor::Reaction::hold && decision.reaction > kept_reaction_;
   if (TickRecord* kept = mail_->black_box.claim()) {
     *kept = record_;
     mail_->black_box.commit(harder);
+    kept_reaction_ = decision.reaction;
   }
 }
 
 void ControlLoop::push(const Event& event) noexcept {
   Event timed = event;
   timed.time_s = time_s_;
-  mail_->events.push(timed);
+  control_loop::push(mail_->events, timed);
 }
 
 void ControlLoop::report_events(const supervisor::Observation& seen) noexcept {
@@ -385,6 +385,7 @@ void ControlLoop::report_events(const supervisor::Observation& seen) noexcept {
   const bool stood_up = before_ == State::stand && decision.state == State::ready;
   if (decision.entered && stood_up) push({.kind = Event::Kind::lost_stance, .pose = stance_miss_});
   before_ = decision.state;
+  if (decision.state != State::off) last_state_ = decision.state;
   const bool waits = decision.state == State::ready && decision.waits_to_stand;
   if (waits && !waiting_reported_) push({.kind = Event::Kind::waits_for_pose, .pose = stand_miss_});
   if (decision.stand_void) push({.kind = Event::Kind::stopped_waiting, .pose = stand_miss_});

@@ -54,6 +54,8 @@ class ControlLoop {
   void tick(const TickTiming& timing, const model::StateVector* known_state = nullptr) noexcept;
 
   [[nodiscard]] const supervisor::SupervisorOutput& decision() const noexcept { return supervisor_.output(); }
+  /// The newest that was not off.
+  [[nodiscard]] supervisor::State last_state() const noexcept { return last_state_; }
   /// Of the newest tick.
   [[nodiscard]] double time_s() const noexcept { return time_s_; }
 
@@ -138,8 +140,9 @@ class ControlLoop {
   std::uint32_t episodes_ = 0;  ///< ever begun
   double episode_start_s_ = 0.0;
   bool waiting_reported_ = false;
-  supervisor::State before_ = supervisor::State::boot;                 ///< in the tick before
-  supervisor::Reaction reaction_before_ = supervisor::Reaction::none;  ///< in the tick before
+  supervisor::State before_ = supervisor::State::boot;               ///< in the tick before
+  supervisor::State last_state_ = supervisor::State::boot;           ///< the newest that was not off
+  supervisor::Reaction kept_reaction_ = supervisor::Reaction::none;  ///< the newest in the black box
   TickRecord record_;
 };
 

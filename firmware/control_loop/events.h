@@ -34,4 +34,12 @@ struct Event {
 
 using EventRing = exchange::Ring<Event, 256>;
 
+/// Torque loop only. A warning may come and go in every tick. While the ring is half full it is dropped and
+/// counted, so that states and other faults find room. Real-time.
+inline void push(EventRing& events, const Event& event) noexcept {
+  const bool of_fault = event.kind == Event::Kind::fault || event.kind == Event::Kind::fault_over;
+  const bool warns = of_fault && supervisor::row(event.fault).severity == supervisor::Severity::warning;
+  events.push(event, warns ? EventRing::capacity() / 2 : 0);
+}
+
 }  // namespace stilt::control_loop

@@ -14,6 +14,7 @@ namespace stilt::control_loop {
 /// files.
 struct Mailboxes {
   exchange::LatestValue<OperatorCommand> commands;           ///< operator -> torque loop
+  StopSignals stops;                                         ///< signal handlers -> torque loop
   exchange::LatestValue<TorqueTuning> torque_tunings;        ///< operator -> torque loop
   exchange::LatestValue<PlannerTuning> planner_tunings;      ///< operator -> planner
   exchange::LatestValue<PlanningRequest> requests;           ///< torque loop -> planner

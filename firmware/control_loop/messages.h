@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "firmware/supervisor/supervisor.h"
@@ -18,6 +19,21 @@ struct OperatorCommand {
   bool heartbeat_expected =
       false;  ///< somebody is to be alive: a commander, without one housekeeping of stiltd
   std::int64_t heartbeat_ns = 0;  ///< its last sign of life, clock of the torque loop
+};
+
+/// What signals ask of the program: a handler sets them, and the torque loop takes them in every tick. So
+/// nothing that housekeeping waits for, a terminal or a disk, delays a stop.
+struct StopSignals {
+  static_assert(std::atomic<bool>::is_always_lock_free, "signal handlers set them");
+  std::atomic<bool> shut_down = false;  ///< sit, damp, disable the drivers, end
+  std::atomic<bool> cut = false;        ///< disable the drivers at once, end
+
+  /// The command with what the signals ask for. Real-time.
+  [[nodiscard]] OperatorCommand merged_into(OperatorCommand command) const noexcept {
+    if (shut_down.load(std::memory_order_relaxed)) command.shut_down = true;
+    if (cut.load(std::memory_order_relaxed)) command.request.kind = supervisor::RequestKind::cut;
+    return command;
+  }
 };
 
 /// Live tunables that the torque loop uses; operator -> torque loop.

@@ -33,7 +33,7 @@ class BlackBox {
   /// Recorder only: the record to fill in this tick; nullptr while frozen. Real-time.
   [[nodiscard]] T* claim() noexcept {
     if (state_.load(std::memory_order_acquire) == kFrozen) return nullptr;
-    if (frozen_) begin();
+    if (frozen_) frozen_ = triggered_ = false;
     return &records_[next_];
   }
 
@@ -67,17 +67,16 @@ class BlackBox {
     return records_[(next_ + kCapacity - count_ + index) % kCapacity];
   }
 
-  /// Reader while frozen: recording starts anew, empty.
+  /// As above, once something happened: the record of the trigger.
+  [[nodiscard]] std::size_t trigger() const noexcept { return count_ - 1 - (aftermath_ - left_); }
+
+  /// Reader while frozen: recording goes on, after the records that are there. Those of the meantime are
+  /// missing.
   void rearm() noexcept { state_.store(kRecording, std::memory_order_release); }
 
  private:
   static constexpr std::uint32_t kRecording = 0;
   static constexpr std::uint32_t kFrozen = 1;
-
-  void begin() noexcept {
-    frozen_ = triggered_ = false;
-    next_ = count_ = 0;
-  }
 
   alignas(exchange::kCacheLine_bytes) Atomic<std::uint32_t> state_{kRecording};
   std::size_t aftermath_ = 0;

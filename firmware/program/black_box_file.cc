@@ -12,9 +12,11 @@
 namespace stilt::program {
 namespace {
 
+/// From the trigger on: what is before may be of an earlier fault.
 supervisor::Reaction hardest(const control_loop::TickBlackBox& box) noexcept {
   auto reaction = supervisor::Reaction::none;
-  for (std::size_t i = 0; i < box.size(); ++i) reaction = std::max(reaction, box.record(i).reaction);
+  for (std::size_t i = box.trigger(); i < box.size(); ++i)
+    reaction = std::max(reaction, box.record(i).reaction);
   return reaction;
 }
 

@@ -13,6 +13,7 @@
 #include "firmware/commissioning/calibrate.h"
 #include "firmware/commissioning/identify.h"
 #include "firmware/commissioning/jog_dialog.h"
+#include "firmware/commissioning/json_text.h"
 #include "firmware/commissioning/scan.h"
 #include "firmware/commissioning/unknown_turns.h"
 #include "firmware/commissioning/watch.h"
@@ -204,7 +205,7 @@ CommissioningOutcome written(const Options& options, const Report& report, bool 
   if (!outcome.error.empty()) {
     auto json = nlohmann::ordered_json::parse(outcome.json);
     json["error"] = outcome.error;
-    outcome.json = json.dump(2) + '\n';
+    outcome.json = commissioning::json_text(json);
   }
   return outcome;
 }
@@ -241,7 +242,7 @@ CommissioningOutcome run_identify(const Options& options, ControllerState& state
 }  // namespace
 
 std::string failure_json(const std::string& error) {
-  return nlohmann::ordered_json{{"good", false}, {"error", error}}.dump() + '\n';
+  return commissioning::json_text({{"good", false}, {"error", error}}, commissioning::kOneLine);
 }
 
 CommissioningOutcome run_commissioning(const Options& options, ControllerState& state,

@@ -81,15 +81,13 @@ void take_ticks(ControllerState& state) {
 
 }  // namespace
 
-void operate(ControllerState& state, const Signals& signals) {
+void operate(ControllerState& state) {
   take_ticks(state);
   const control_loop::TickRecord& tick = state.newest_tick;
   const double time_s = 1e-9 * static_cast<double>(tick.time_ns - state.start_ns);
   control_loop::OperatorCommand& command = state.mail.commands.writer();
   command = state.script->command(time_s, tick.state, tick.ramp);
-  command.shut_down = command.shut_down || signals.stop.load(std::memory_order_relaxed);
   if (state.telemetry_node != nullptr) command = state.telemetry_node->operate(command);
-  if (signals.cut.load(std::memory_order_relaxed)) command.request.kind = supervisor::RequestKind::cut;
   if (!command.heartbeat_expected) {
     command.heartbeat_expected = true;
     command.heartbeat_ns = tick.time_ns + kMayBlock_ns;
@@ -131,6 +129,11 @@ void check_goal(const Options& options, const ControllerState& state, Outcome& o
 }
 
 void take_statistics(const ControllerState& state, Outcome& outcome) {
+  if (state.loop.ticks > 0) {
+    const supervisor::SupervisorOutput& end = state.control.decision();
+    take_end({state.control.time_s(), end.state, state.control.last_state(), end.latched},
+             state.mail.events.dropped(), outcome);
+  }
   outcome.ticks = state.loop.ticks;
   outcome.late_ticks = state.loop.late_ticks;
   outcome.missed_periods = state.loop.missed_periods;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -54,16 +53,9 @@ struct ControllerState {
                                                       std::span<hal::FrameBus* const> buses,
                                                       ControllerState& state);
 
-/// What people may ask of a run from outside, set by signal handlers.
-struct Signals {
-  std::atomic<bool> stop = false;              ///< sit, damp, disable the drivers, end
-  std::atomic<bool> cut = false;               ///< disable the drivers at once, end
-  std::atomic<bool> print_statistics = false;  ///< print the histograms so far
-};
-
 /// The operator's side: takes the records of the torque loop, and lets the script or the operator at the
 /// host command it. Without an operator at the host its own sign of life is the heartbeat.
-void operate(ControllerState& state, const Signals& signals);
+void operate(ControllerState& state);
 
 /// Housekeeping's part of a reset: connects buses again that the torque loop found gone.
 void restore_buses(ControllerState& state);

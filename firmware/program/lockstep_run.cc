@@ -18,8 +18,7 @@ constexpr int kTicksAlone = 100;
 
 }  // namespace
 
-void run_lockstep(const Options& options, std::size_t bus_count, Signals& signals, ControllerState& state,
-                  Outcome& outcome) {
+void run_lockstep(const Options& options, std::size_t bus_count, ControllerState& state, Outcome& outcome) {
   control_loop::PlannerSchedule schedule(options.configuration.timing);
   const std::int64_t tick_ns = schedule.timing().tick_ns;
   hal::LockstepClock clock(std::span(state.lockstep_buses).first(bus_count), tick_ns, kPatience_s);
@@ -33,12 +32,12 @@ void run_lockstep(const Options& options, std::size_t bus_count, Signals& signal
   TorsoSensorReport torso_sensor(options);
   BlackBoxFile black_box(options, state);
   for (long long tick = 0; ticks_off < kLastTicks && ticks_alone < kTicksAlone; ++tick) {
-    const std::int64_t start_ns = wall.now_ns();
-    operate(state, signals);
+    operate(state);
     publish(state, state.loop, state.planning);
     {
       const realtime::AllocationScope allocations;
       schedule.publish_due(tick, state.planner, state.mail);
+      const std::int64_t start_ns = wall.now_ns();
       state.control.tick({.now_ns = clock.now_ns()});
       state.loop.execution.add_ns(wall.now_ns() - start_ns);
       if (options.plans_at(state.control.time_s())) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "firmware/commissioning/json_text.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/diagnostics/event_text.h"
 #include "firmware/telemetry/telemetry_node.h"
@@ -54,16 +55,22 @@ void take_wait(double time_s, const std::string& text, Outcome& outcome) {
   say(time_s, text);
 }
 
+/// Since the last reset; nullptr: there is none.
+ReportedFault* recent_entry(const char* name, Outcome& outcome) {
+  const auto recent = std::span(outcome.faults).subspan(outcome.faults_before_reset);
+  const auto entry = std::ranges::find(recent, name, &ReportedFault::name);
+  return entry == recent.end() ? nullptr : &*entry;
+}
+
 void take_fault(const Event& event, Outcome& outcome) {
   const supervisor::FaultRow& row = supervisor::row(event.fault);
-  const auto recent = std::span(outcome.faults).subspan(outcome.faults_before_reset);
-  if (const auto entry = std::ranges::find(recent, row.name, &ReportedFault::name); entry != recent.end()) {
+  if (ReportedFault* entry = recent_entry(row.name, outcome)) {
     ++entry->count;
-    entry->over_s = kNotOver;
+    entry->over_s = kNotKnown;
     return;
   }
   const char* reaction = supervisor::name(row.reaction);
-  outcome.faults.push_back({row.name, event.time_s, reaction, 1, kNotOver, event.found});
+  outcome.faults.push_back({row.name, event.time_s, reaction, 1, kNotKnown, event.found});
   say(event.time_s, std::string("fault ") + row.name + ": " + row.cause +
                         diagnostics::found_text(event.found) + "; reaction: " + reaction);
 }
@@ -81,10 +88,11 @@ void take_fault_over(const Event& event, Outcome& outcome) {
 
 void take_state(const Event& event, Outcome& outcome) {
   const std::string state = supervisor::name(event.state);
-  if (outcome.state == supervisor::name(supervisor::State::fault)) {
+  const bool is_off = event.state == supervisor::State::off;
+  if (outcome.state == supervisor::name(supervisor::State::fault) && !is_off) {
     outcome.faults_before_reset = outcome.faults.size();
   }
-  if (event.state != supervisor::State::off) outcome.last_state = state;
+  if (!is_off) outcome.last_state = state;
   outcome.state = state;
   say(event.time_s, state);
 }
@@ -118,6 +126,23 @@ void take_events(control_loop::EventRing& events, Outcome& outcome,
   }
 }
 
+void take_end(const LastTick& last, std::uint64_t dropped, Outcome& outcome) {
+  outcome.state = supervisor::name(last.state);
+  outcome.last_state = supervisor::name(last.last_state);
+  outcome.dropped_events = dropped;
+  if (dropped == 0) return;
+  say(last.time_s,
+      std::to_string(dropped) +
+          " events were lost, because a terminal, a disk or a busy processor held up their report");
+  for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
+    if (!last.latched.has(row.fault) || recent_entry(row.name, outcome) != nullptr) continue;
+    const char* reaction = supervisor::name(row.reaction);
+    outcome.faults.push_back({row.name, kNotKnown, reaction, 1, kNotKnown, {}});
+    say(last.time_s, std::string("fault ") + row.name + ": " + row.cause + "; reaction: " + reaction +
+                         "; its event is among the lost ones");
+  }
+}
+
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
@@ -138,6 +163,7 @@ std::string to_json(const Outcome& outcome) {
   for (const ReportedFault& fault : outcome.faults) {
     json["faults"].push_back(json_of(fault));
   }
+  json["dropped_events"] = outcome.dropped_events;
   json["ticks"] = outcome.ticks;
   json["late_ticks"] = outcome.late_ticks;
   json["missed_periods"] = outcome.missed_periods;
@@ -155,7 +181,7 @@ std::string to_json(const Outcome& outcome) {
     json["realtime"] = outcome.not_realtime;
   }
   if (!outcome.error.empty()) json["error"] = outcome.error;
-  return json.dump(2) + "\n";
+  return commissioning::json_text(json);
 }
 
 }  // namespace stilt::program

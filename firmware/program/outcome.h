@@ -15,15 +15,15 @@ class TelemetryNode;
 
 namespace stilt::program {
 
-inline constexpr double kNotOver = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
 
 /// A fault as the report lists it: once until the operator resets the faults, with how often its cause came.
 struct ReportedFault {
   std::string name;
-  double time_s = 0.0;  ///< of the first time
+  double time_s = 0.0;  ///< of the first time; NaN: its event was lost
   std::string reaction;
   long long count = 1;
-  double over_s = kNotOver;       ///< when its cause was last gone
+  double over_s = kNotKnown;      ///< when its cause was last gone
   supervisor::FaultDetail found;  ///< by the first
 };
 
@@ -35,6 +35,7 @@ struct Outcome {
   std::string state;         ///< the supervisor's at the end
   std::string last_state;    ///< the one before it was off
   std::vector<ReportedFault> faults;
+  std::uint64_t dropped_events = 0;     ///< states and faults that were not reported: no room was left
   std::size_t faults_before_reset = 0;  ///< the first of them are done with
   long long ticks = 0;
   long long late_ticks = 0;
@@ -58,6 +59,19 @@ struct Outcome {
 /// faults.
 void take_events(control_loop::EventRing& events, Outcome& outcome,
                  telemetry::TelemetryNode* telemetry_node = nullptr);
+
+/// What the torque loop was like in its last tick.
+struct LastTick {
+  double time_s = 0.0;
+  supervisor::State state = supervisor::State::boot;
+  supervisor::State last_state = supervisor::State::boot;  ///< the newest that was not off
+  supervisor::FaultSet latched;
+};
+
+/// After take_events(), once the torque loop has ended: states and latched faults are its own, whatever the
+/// ring of events has lost.
+/// @param dropped  events without room in the ring
+void take_end(const LastTick& last, std::uint64_t dropped, Outcome& outcome);
 
 /// Now, by the clock of the computer: "2026-11-27T13:15:00Z".
 [[nodiscard]] std::string utc_now();

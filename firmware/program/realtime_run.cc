@@ -162,7 +162,8 @@ void report_refused(const realtime::Thread& thread, Outcome& outcome) {
 
 }  // namespace
 
-void run_realtime(const Options& options, Signals& signals, ControllerState& state, Outcome& outcome) {
+void run_realtime(const Options& options, std::atomic<bool>& print_asked, ControllerState& state,
+                  Outcome& outcome) {
   const configuration::RuntimeParameters& runtime = options.configuration.runtime;
   Run run{
       options, state,
@@ -182,7 +183,7 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
   TorsoSensorReport torso_sensor(options);
   InterruptWatch interrupts(configuration::bus_names(options.configuration.hardware), runtime);
   while (started && !run.torque_done.load(std::memory_order_acquire)) {
-    operate(state, signals);
+    operate(state);
     restore_buses(state);
     torso_sensor.update(state);
     for (const std::string& line : interrupts.update(state.newest_tick.state)) {
@@ -192,9 +193,9 @@ void run_realtime(const Options& options, Signals& signals, ControllerState& sta
     publish(state, state.loop_statistics.newest(), state.planner_statistics.newest());
     service.notify(clock.now_ns(), state.loop_statistics.newest().ticks,
                    supervisor::name(state.newest_tick.state));
-    if (signals.stop.load(std::memory_order_relaxed)) service.notify_stop_asked();
+    if (state.mail.stops.shut_down.load(std::memory_order_relaxed)) service.notify_stop_asked();
     black_box.save();
-    if (signals.print_statistics.exchange(false)) print_statistics(state);
+    if (print_asked.exchange(false)) print_statistics(state);
     static_cast<void>(clock.sleep_until(clock.now_ns() + kHousekeepingPeriod_ns));
   }
   service.notify_stopping();

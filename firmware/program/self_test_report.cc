@@ -4,6 +4,7 @@
 
 #include "firmware/commissioning/calibration.h"
 #include "firmware/commissioning/formatted.h"
+#include "firmware/commissioning/json_text.h"
 #include "firmware/commissioning/session.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/program/interrupt_report.h"
@@ -245,7 +246,7 @@ std::string to_json(const SelfTestResult& result) {
     json["solves"] = result.solve.count();
     json["failed_solves"] = result.failed_solves;
   }
-  return json.dump(2) + "\n";
+  return commissioning::json_text(json);
 }
 
 }  // namespace stilt::program

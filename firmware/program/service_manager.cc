@@ -11,11 +11,19 @@ namespace {
 constexpr std::int64_t kPeriod_ns = 500'000'000;
 constexpr int kKeepEnvironment = 0;
 
+/// Empty where the service has no watchdog, or one that waits long enough.
+std::string longer_watchdog(double needed_s) {
+  const auto needed_us = static_cast<std::uint64_t>(std::llround(1e6 * needed_s));
+  std::uint64_t given_us = 0;
+  if (sd_watchdog_enabled(kKeepEnvironment, &given_us) <= 0 || given_us >= needed_us) return {};
+  return "WATCHDOG_USEC=" + std::to_string(needed_us) + '\n';
+}
+
 }  // namespace
 
 void ServiceManager::notify(std::int64_t now_ns, long long ticks, const char* state) {
   std::string message;
-  if (notified_ticks_ == 0 && ticks > 0) message += "READY=1\n";
+  if (notified_ticks_ == 0 && ticks > 0) message += "READY=1\n" + longer_watchdog(longest_alone_s_);
   if (ticks > notified_ticks_ && now_ns - notified_ns_ >= kPeriod_ns) {
     message += "WATCHDOG=1\n";
     notified_ticks_ = ticks;

@@ -13,11 +13,12 @@ namespace stilt::program {
 class ServiceManager {
  public:
   explicit ServiceManager(const supervisor::SupervisorParameters& parameters) noexcept
-      : longest_stop_s_(2 * parameters.slow_down_s + parameters.sit_s + kStopMargin_s) {}
+      : longest_stop_s_(2 * parameters.slow_down_s + parameters.sit_s + kStopMargin_s),
+        longest_alone_s_(parameters.operator_gone_s + longest_stop_s_) {}
 
   /// At every turn of housekeeping. A sign of life goes out twice per second and only while the torque loop
   /// ticks. When it stops, the watchdog of the service ends the program, and the drivers' own have long
-  /// acted.
+  /// acted. With the first one the watchdog is made to wait until a robot without housekeeping has sat down.
   /// @param ticks  of the torque loop so far
   /// @param state  of the supervisor, sent when it changes
   void notify(std::int64_t now_ns, long long ticks, const char* state);
@@ -33,6 +34,7 @@ class ServiceManager {
   static constexpr double kStopMargin_s = 5.0;
 
   double longest_stop_s_;
+  double longest_alone_s_;  ///< from the last turn of housekeeping until the robot has sat down by itself
   bool stop_notified_ = false;
   std::int64_t notified_ns_ = 0;
   long long notified_ticks_ = 0;

@@ -30,9 +30,10 @@ class Ring {
  public:
   /// Producer only: the slot of the next element; nullptr, and one more dropped, when there is no room.
   /// Real-time.
-  [[nodiscard]] T* claim() noexcept {
+  /// @param spare  places that stay free for other elements, at most the capacity
+  [[nodiscard]] T* claim(std::size_t spare = 0) noexcept {
     const std::size_t written = written_.load(std::memory_order_relaxed);
-    if (written - read_.load(std::memory_order_acquire) == kCapacity) {
+    if (written - read_.load(std::memory_order_acquire) >= kCapacity - spare) {
       dropped_.store(dropped_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
       return nullptr;
     }
@@ -45,8 +46,8 @@ class Ring {
   }
 
   /// Producer only: copies an element in. False when it was dropped. Real-time.
-  bool push(const T& element) noexcept {
-    T* slot = claim();
+  bool push(const T& element, std::size_t spare = 0) noexcept {
+    T* slot = claim(spare);
     if (slot == nullptr) return false;
     *slot = element;
     commit();

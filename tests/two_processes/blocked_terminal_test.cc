@@ -1,5 +1,5 @@
-// A terminal that takes no more output holds housekeeping up: the robot has no commander then. By the clock,
-// with limits that a busy machine does not reach.
+// A terminal that takes no more output holds housekeeping up: the robot has no commander then, and signals
+// still stop it. By the clock, with limits that a busy machine does not reach.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -11,7 +11,10 @@
 #include <csignal>
 #include <string>
 #include <thread>
+#include <vector>
 
+#include "firmware/configuration/configuration.h"
+#include "tests/two_processes/frame_record.h"
 #include "tests/two_processes/robot_and_controller.h"
 
 namespace stilt::two_processes {
@@ -60,14 +63,53 @@ class Terminal {
   std::string text_;
 };
 
+const std::vector<std::string> kOnABusyMachine = {"--start", "stand",
+                                                  "--set",   "supervisor.torque_loop_stall_s=10",
+                                                  "--set",   "supervisor.missed_hold_ticks=500",
+                                                  "--set",   "supervisor.missed_damp_ticks=1000",
+                                                  "--set",   "supervisor.stale_plan_s=5",
+                                                  "--set",   "hardware.driver_watchdog_s=0.1"};
+
+TEST(TwoProcesses, AStoppedTerminalKeepsNoSignalFromCuttingTheMotors) {
+  RobotAndController run;
+  Terminal terminal(run.file("controller.err"));
+  run.start_robot({});
+  run.start_controller(kOnABusyMachine);
+  ASSERT_TRUE(terminal.wait_for(" s  stand", run.controller())) << terminal.text();
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  terminal.fill();
+  run.controller().signal(SIGUSR1);  // its histograms find no room
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  run.controller().signal(SIGQUIT);
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  run.robot().signal(SIGTERM);
+  ASSERT_TRUE(run.robot().wait(kLongestRun_s));
+  const configuration::Result shipped = configuration::load_robot("amber3m");
+  ASSERT_TRUE(shipped);
+  const MotorTraffic traffic =
+      motor_traffic(read_frames(run.file("frames")), configuration::robot_wiring(shipped->hardware));
+  ASSERT_FALSE(traffic.commands.empty());
+  ASSERT_FALSE(traffic.specials.empty());
+  EXPECT_EQ(traffic.specials.back().what, hal::mit::MitSpecial::leave);
+  EXPECT_GE(traffic.specials.back().tick, traffic.commands.back().tick) << "no torque follows";
+  EXPECT_TRUE(std::ranges::none_of(run.robot_json().at("drivers"), [](const nlohmann::json& driver) {
+    return driver.at("enabled").get<bool>();
+  })) << run.robot_json().at("drivers");
+  EXPECT_FALSE(run.controller().wait(0)) << "its last words find no room";
+  while (!run.controller().wait(0)) {
+    terminal.read();
+    std::this_thread::sleep_for(kPause);
+  }
+  EXPECT_EQ(run.controller_json().at("last_state"), "stand") << terminal.text();
+}
+
 TEST(TwoProcesses, AStoppedTerminalMakesAStandingRobotSitDown) {
   RobotAndController run;
   Terminal terminal(run.file("controller.err"));
   run.start_robot({"--once"});
-  run.start_controller({"--start", "stand", "--set", "supervisor.operator_gone_s=2", "--set",
-                        "supervisor.torque_loop_stall_s=10", "--set", "supervisor.missed_hold_ticks=500",
-                        "--set", "supervisor.missed_damp_ticks=1000", "--set", "supervisor.stale_plan_s=5",
-                        "--set", "hardware.driver_watchdog_s=0.1"});
+  std::vector<std::string> options = kOnABusyMachine;
+  options.insert(options.end(), {"--set", "supervisor.operator_gone_s=2"});
+  run.start_controller(options);
   ASSERT_TRUE(terminal.wait_for(" s  stand", run.controller())) << terminal.text();
   std::this_thread::sleep_for(std::chrono::seconds(2));
   terminal.fill();

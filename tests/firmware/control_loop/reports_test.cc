@@ -42,6 +42,35 @@ TEST_F(ControlLoopReports, TheEndOfAFaultIsAnEvent) {
   EXPECT_EQ(over[0].fault, Fault::emergency_stop);
 }
 
+TEST_F(ControlLoopReports, AFlickeringWarningThatNobodyTakesDisplacesNoState) {
+  rig->stand();
+  for (int i = 0; i < 200; ++i) {
+    ++rig->joints.error_count;
+    rig->run(2);
+  }
+  EXPECT_GT(rig->mail.events.dropped(), 0u);
+  rig->joints.emergency_stop = hal::EmergencyStopState::pressed;
+  rig->run(5);
+  EXPECT_EQ(rig->cycle.last_state(), State::fault);
+  std::vector<State> states;
+  std::vector<Fault> faults;
+  while (const Event* event = rig->mail.events.front()) {
+    if (event->kind == Event::Kind::state) states.push_back(event->state);
+    if (event->kind == Event::Kind::fault) faults.push_back(event->fault);
+    rig->mail.events.pop();
+  }
+  EXPECT_EQ(states.back(), State::fault);
+  EXPECT_EQ(faults.back(), Fault::emergency_stop);
+}
+
+TEST_F(ControlLoopReports, TheLastStateIsTheOneBeforeOff) {
+  rig->stand();
+  rig->mail.stops.cut = true;
+  rig->run(3);
+  ASSERT_EQ(rig->state(), State::off);
+  EXPECT_EQ(rig->cycle.last_state(), State::stand);
+}
+
 TEST_F(ControlLoopReports, TheBlackBoxFreezesAfterAFaultWithWhatWasBefore) {
   rig->mail.black_box.set_aftermath(100);
   rig->stand();
@@ -90,6 +119,24 @@ TEST_F(ControlLoopReports, TheBlackBoxIsThereForTheFallAfterAGlitchAndForOneOfAF
   rig->mail.black_box.rearm();
   rig->run(500);
   EXPECT_FALSE(rig->mail.black_box.frozen()) << "the fall is in one record only";
+}
+
+TEST_F(ControlLoopReports, AFallWhileTheBlackBoxIsFrozenTriggersItWhenItIsArmedAgain) {
+  rig->mail.black_box.set_aftermath(20);
+  rig->stand();
+  rig->joints.silent = true;
+  rig->run(5);
+  rig->joints.silent = false;
+  rig->run(50);
+  ASSERT_TRUE(rig->mail.black_box.frozen());
+  rig->joints.emergency_stop = hal::EmergencyStopState::pressed;
+  rig->run(50);
+  rig->mail.black_box.rearm();
+  rig->run(50);
+  ASSERT_TRUE(rig->mail.black_box.frozen());
+  const auto& box = rig->mail.black_box;
+  EXPECT_EQ(box.record(box.trigger()).state, State::fault);
+  EXPECT_EQ(box.record(box.trigger() - 1).state, State::stand) << "from before it was frozen";
 }
 
 TEST_F(ControlLoopReports, ARecordHoldsTheTimesOfItsTickAndWhatLeft) {

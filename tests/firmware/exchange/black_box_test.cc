@@ -51,6 +51,7 @@ TEST(BlackBox, FreezesAfterTheAftermathOfTheFirstTrigger) {
   EXPECT_EQ(record(box, 0, 20, 10), 14) << "0 to 10, and three more";
   EXPECT_TRUE(box.frozen());
   EXPECT_EQ(contents(box), (std::vector<int>{6, 7, 8, 9, 10, 11, 12, 13}));
+  EXPECT_EQ(box.record(box.trigger()), 10);
 }
 
 TEST(BlackBox, KnowsOfAnAftermathThatTheEndCutsShort) {
@@ -60,6 +61,7 @@ TEST(BlackBox, KnowsOfAnAftermathThatTheEndCutsShort) {
   EXPECT_FALSE(box.cut_short()) << "nothing happened";
   record(box, 4, 3, 4);
   EXPECT_TRUE(box.cut_short());
+  EXPECT_EQ(box.record(box.trigger()), 4);
   record(box, 7, 1);
   EXPECT_TRUE(box.frozen());
   EXPECT_FALSE(box.cut_short()) << "it is whole";
@@ -89,15 +91,16 @@ TEST(BlackBox, AnAftermathNeverPushesTheTriggerOut) {
   EXPECT_EQ(contents(box), (std::vector<int>{50, 51, 52, 53}));
 }
 
-TEST(BlackBox, AfterRearmingItStartsEmpty) {
+TEST(BlackBox, AfterRearmingItGoesOnAfterTheRecordsThatAreThere) {
   BlackBox<int, 4> box;
   record(box, 0, 6, 4);
   box.rearm();
   EXPECT_FALSE(box.frozen());
   record(box, 20, 2);
-  EXPECT_EQ(contents(box), (std::vector<int>{20, 21}));
+  EXPECT_EQ(contents(box), (std::vector<int>{3, 4, 20, 21}));
   record(box, 30, 9, 32);
   EXPECT_EQ(contents(box), (std::vector<int>{21, 30, 31, 32})) << "and freezes again";
+  EXPECT_EQ(box.record(box.trigger()), 32);
 }
 
 TEST(BlackBox, BetweenThreadsTheReaderSeesRecordsThatStandStill) {

@@ -36,6 +36,16 @@ TEST(Ring, WhenFullTheNewElementIsDroppedAndCounted) {
   EXPECT_EQ(ring.dropped(), 2u);
 }
 
+TEST(Ring, PlacesThatAreSparedStayFreeForOtherElements) {
+  Ring<int, 4> ring;
+  for (int value = 0; value < 2; ++value) EXPECT_TRUE(ring.push(value, 2));
+  EXPECT_FALSE(ring.push(2, 2));
+  EXPECT_EQ(ring.dropped(), 1u);
+  for (int value = 3; value < 5; ++value) EXPECT_TRUE(ring.push(value));
+  EXPECT_FALSE(ring.push(5, 2)) << "more than half full";
+  EXPECT_FALSE(ring.push(6));
+}
+
 TEST(Ring, AnElementIsFilledInPlace) {
   Ring<int, 2> ring;
   int* slot = ring.claim();

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tests/full_disk.h"
 #include "tests/own_folder.h"
@@ -24,25 +26,38 @@ class BlackBoxFileTest : public testing::Test {
   }
   void begin_run() { file_.emplace(options_, *state_); }
 
+  /// False: the black box is frozen.
+  bool record(std::uint64_t tick, Reaction reaction, bool trigger) {
+    control_loop::TickRecord* record = state_->mail.black_box.claim();
+    if (record == nullptr) return false;
+    *record = {};
+    record->tick = tick;
+    record->reaction = reaction;
+    state_->mail.black_box.commit(trigger);
+    return true;
+  }
+
   /// A fault with this reaction in this tick; the black box freezes, and is saved.
   void happen(std::uint64_t tick, Reaction reaction) {
-    bool trigger = true;
-    while (control_loop::TickRecord* record = state_->mail.black_box.claim()) {
-      *record = {};
-      record->tick = tick;
-      record->reaction = reaction;
-      state_->mail.black_box.commit(trigger);
-      trigger = false;
+    for (bool trigger = true; record(tick, reaction, trigger); trigger = false) {
     }
     file_->save();
   }
 
-  /// The tick of the fault that a file holds; -1: it holds none.
-  [[nodiscard]] long long kept(const std::string& name = "box.csv") const {
+  /// The ticks in a file.
+  [[nodiscard]] std::vector<long long> ticks(const std::string& name) const {
     std::ifstream lines(folder_.file(name));
+    std::vector<long long> numbers;
     std::string line;
     std::getline(lines, line);
-    return std::getline(lines, line) ? std::stoll(line) : -1;
+    while (std::getline(lines, line)) numbers.push_back(std::stoll(line));
+    return numbers;
+  }
+
+  /// The tick of the fault that a file holds; -1: it holds none.
+  [[nodiscard]] long long kept(const std::string& name = "box.csv") const {
+    const std::vector<long long> all = ticks(name);
+    return all.empty() ? -1 : all.back();
   }
 
   tests::OwnFolder folder_;
@@ -61,6 +76,18 @@ TEST_F(BlackBoxFileTest, KeepsTheFirstOfEqualFaultsUntilAHarderOneComes) {
   happen(50, Reaction::sit);
   EXPECT_EQ(kept(), 30);
   EXPECT_TRUE(file_->finish());
+}
+
+TEST_F(BlackBoxFileTest, AFaultSoonAfterAnotherHasMoreThanASecondBeforeIt) {
+  for (std::uint64_t tick = 1; tick <= 1500; ++tick) record(tick, Reaction::none, false);
+  happen(2000, Reaction::hold);
+  for (std::uint64_t tick = 3001; tick <= 3100; ++tick) record(tick, Reaction::none, false);
+  happen(4000, Reaction::damp);
+  const std::vector<long long> all = ticks("box.csv");
+  const auto before = std::ranges::count_if(all, [](long long tick) { return tick < 4000; });
+  EXPECT_EQ(kept(), 4000);
+  EXPECT_GT(before, 1000);
+  EXPECT_TRUE(std::ranges::is_sorted(all));
 }
 
 TEST_F(BlackBoxFileTest, OnAFullDiskKeepsTheFaultBeforeAndSaysThatTheHarderOneIsLost) {

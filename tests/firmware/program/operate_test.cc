@@ -20,12 +20,11 @@ struct Operate : testing::Test {
     tick.time_ns = time_ns;
     tick.state = supervisor::State::idle;
     state->mail.telemetry.push(tick);
-    operate(*state, signals);
+    operate(*state);
     return state->mail.commands.newest();
   }
 
   std::unique_ptr<ControllerState> state = std::make_unique<ControllerState>();
-  Signals signals;
 };
 
 TEST_F(Operate, TheHeartbeatIsThatOfHousekeepingWithASecondToSpare) {
@@ -35,14 +34,6 @@ TEST_F(Operate, TheHeartbeatIsThatOfHousekeepingWithASecondToSpare) {
     EXPECT_EQ(command.heartbeat_ns, time_ns + kSecond_ns);
     EXPECT_EQ(command.request.kind, supervisor::RequestKind::calibrate) << "the script's";
   }
-}
-
-TEST_F(Operate, AStopShutsDownAndACutCuts) {
-  signals.stop = true;
-  EXPECT_TRUE(after_a_tick_at(kSecond_ns).shut_down);
-  EXPECT_NE(after_a_tick_at(kSecond_ns).request.kind, supervisor::RequestKind::cut);
-  signals.cut = true;
-  EXPECT_EQ(after_a_tick_at(kSecond_ns).request.kind, supervisor::RequestKind::cut);
 }
 
 TEST_F(Operate, ARobotThatDidNotGetWhereStartAskedIsAnErrorWithWhatItWaitedFor) {

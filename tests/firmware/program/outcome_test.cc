@@ -39,6 +39,31 @@ TEST_F(OutcomeTest, TheStateBeforeOffIsKept) {
   EXPECT_EQ(outcome.last_state, "fault");
 }
 
+TEST_F(OutcomeTest, WhatTheRingLostIsCountedAndTheEndIsThatOfTheTorqueLoop) {
+  state(0.0, State::stand);
+  fault(1.0, Fault::emergency_stop);
+  state(1.0, State::fault);
+  state(8.0, State::off);
+  take_events(*events, outcome);
+  supervisor::FaultSet latched;
+  latched.add(Fault::emergency_stop);
+  latched.add(Fault::driver_fault);
+  testing::internal::CaptureStderr();
+  take_end({.time_s = 9.0, .state = State::off, .last_state = State::fault, .latched = latched}, 7, outcome);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("9.000 s  7 events were lost"), std::string::npos) << said;
+  EXPECT_NE(said.find("fault driver_fault: a driver reports a fault; reaction: damp"), std::string::npos)
+      << said;
+  EXPECT_EQ(said.find("emergency_stop"), std::string::npos) << "it was reported" << said;
+  const auto json = nlohmann::json::parse(to_json(outcome));
+  EXPECT_EQ(json["state"], "off");
+  EXPECT_EQ(json["last_state"], "fault");
+  EXPECT_EQ(json["dropped_events"], 7);
+  ASSERT_EQ(json["faults"].size(), 2u);
+  EXPECT_EQ(json["faults"][1]["name"], "driver_fault");
+  EXPECT_TRUE(json["faults"][1]["time_s"].is_null()) << "nobody knows";
+}
+
 TEST_F(OutcomeTest, AFaultThatFlickersIsOneEntryUntilAReset) {
   state(0.0, State::walk);
   fault(1.0, Fault::driver_fault);
@@ -117,8 +142,9 @@ TEST_F(OutcomeTest, TheJsonHasTheFieldsThatScriptsRead) {
   outcome.ticks = 7;
   outcome.not_realtime = "kernel 1 is not PREEMPT_RT";
   const auto json = nlohmann::json::parse(to_json(outcome));
-  for (const char* field : {"state", "faults", "ticks", "late_ticks", "wakeup_us", "execution_us",
-                            "bus_round_trip_us", "solve_us", "heap_allocations", "page_faults", "realtime"}) {
+  for (const char* field :
+       {"state", "faults", "dropped_events", "ticks", "late_ticks", "wakeup_us", "execution_us",
+        "bus_round_trip_us", "solve_us", "heap_allocations", "page_faults", "realtime"}) {
     EXPECT_TRUE(json.contains(field)) << field;
   }
   EXPECT_EQ(json["faults"][0]["name"], "bus_off");

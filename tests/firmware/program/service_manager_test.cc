@@ -29,6 +29,7 @@ class Listener : public testing::Test {
   }
   ~Listener() override {
     unsetenv("NOTIFY_SOCKET");
+    unsetenv("WATCHDOG_USEC");
     close(socket_);
   }
 
@@ -66,6 +67,19 @@ TEST_F(Listener, ReceivesSignsOfLifeOnlyWhileTheTorqueLoopTicks) {
   EXPECT_EQ(received(), "WATCHDOG=1\n");
   service.notify(3 * kSecond_ns, 1000, "walk");
   EXPECT_EQ(received(), "") << "it stands still";
+}
+
+TEST_F(Listener, ReceivesAWatchdogThatWaitsUntilARobotWithoutHousekeepingHasSatDown) {
+  supervisor::SupervisorParameters parameters;
+  parameters.operator_gone_s = 30.0;
+  parameters.slow_down_s = 1.5;
+  parameters.sit_s = 2.0;
+  setenv("WATCHDOG_USEC", "10000000", 1);
+  ServiceManager(parameters).notify(kSecond_ns, 250, "idle");
+  EXPECT_EQ(received(), "READY=1\nWATCHDOG_USEC=40000000\nWATCHDOG=1\nSTATUS=idle\n") << "and 5 s to spare";
+  setenv("WATCHDOG_USEC", "60000000", 1);
+  ServiceManager(parameters).notify(kSecond_ns, 250, "idle");
+  EXPECT_EQ(received(), "READY=1\nWATCHDOG=1\nSTATUS=idle\n") << "it waits longer anyway";
 }
 
 TEST_F(Listener, ReceivesTheEnd) {

@@ -51,6 +51,14 @@ TEST_F(StatisticsTest, EveryOneIsInTheOutcome) {
   EXPECT_EQ(outcome.solve_us.max_us, 4000);
 }
 
+TEST_F(StatisticsTest, EventsThatWereDroppedAreInTheOutcome) {
+  state->loop.ticks = 1;
+  for (std::size_t i = 0; i < control_loop::EventRing::capacity() + 5; ++i) state->mail.events.push({});
+  Outcome outcome;
+  take_statistics(*state, outcome);
+  EXPECT_EQ(outcome.dropped_events, 5u);
+}
+
 /// The supervisor reports planner_overrun by the duration in the result.
 TEST_F(StatisticsTest, ASolveIsCountedAndRecordedAndItsResultHasItsDuration) {
   control_loop::PlanningRequest request;

@@ -129,6 +129,13 @@ std::string refused_json(const std::string& arguments) {
   return json.is_object() ? json.value("error", "") : "";
 }
 
+TEST(Stiltd, BytesThatAreNoTextAreReplacedInTheJson) {
+  for (const std::string arguments :
+       {"--config '/nowhere/\xff.toml'", "jog '\xff' 0.3", "selftest --config '/nowhere/\xff.toml'"}) {
+    EXPECT_NE(refused_json(arguments).find("\xEF\xBF\xBD"), std::string::npos) << refused_json(arguments);
+  }
+}
+
 TEST(Stiltd, ACommandThatIsRefusedHasTheReasonInItsJson) {
   for (const std::string& command : kCommands) {
     const std::string network = command == "watch"      ? " --set telemetry.enabled=false "

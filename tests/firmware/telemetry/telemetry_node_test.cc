@@ -22,17 +22,35 @@ class TelemetryNodeTest : public ::testing::Test {
     ASSERT_TRUE(opened.has_value()) << opened.error();
     node = std::move(*opened);
     ASSERT_TRUE(node->take_commands().has_value());
-    node->tick({});
+    control_loop::TickRecord tick;
+    tick.time_ns = first_tick_ns;
+    node->tick(tick);
     peer = Participant::open({.domain = tests::own_domain()});
     ASSERT_TRUE(peer.has_value()) << peer.error();
   }
 
+  static std::int64_t now_ns(auto clock) {
+    const auto now = decltype(clock)::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+  }
+
+  static constexpr std::int64_t kHour_ns = 3'600'000'000'000;
+  /// Housekeeping comes to it an hour later.
+  std::int64_t first_tick_ns = now_ns(std::chrono::steady_clock()) - kHour_ns;
   tests::OwnFolder folder;
   configuration::Configuration configuration = configuration::load_robot("amber3m").value();
   std::unique_ptr<control_loop::Mailboxes> mail = std::make_unique<control_loop::Mailboxes>();
   std::unique_ptr<TelemetryNode> node;
   std::expected<Participant, std::string> peer;
 };
+
+TEST_F(TelemetryNodeTest, TheTimeOfDayIsThatOfTheFirstTickHoweverLateHousekeepingTakesIt) {
+  const auto begun = testing::one_sample(*peer, kConfiguration, [] {}).as<ActiveConfiguration>();
+  ASSERT_TRUE(begun);
+  EXPECT_EQ(begun->start_clock_ns, first_tick_ns);
+  const auto age_ns = static_cast<double>(now_ns(std::chrono::system_clock()) - begun->start_time_ns);
+  EXPECT_NEAR(age_ns / static_cast<double>(kHour_ns), 1.0, 0.5);
+}
 
 TEST_F(TelemetryNodeTest, ATuningNamesWhoAskedForIt) {
   const auto begun = testing::one_sample(*peer, kConfiguration, [] {}).as<ActiveConfiguration>();
