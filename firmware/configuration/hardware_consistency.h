@@ -24,7 +24,7 @@ void check_torso_range(const HardwareParameters& hardware, const supervisor::Sup
                        std::vector<Contradiction>& found);
 
 /// Nodes of one bus whose frames would be taken for each other's: drivers among themselves, and drivers and
-/// torso sensor. Supposes a wiring that is valid in all else.
+/// torso sensor. Also channels that share bits of a frame. Supposes a wiring that is valid in all else.
 void check_identifiers(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
 /// A sentence about two buses with the same identifiers of drivers, and no frame of a sensor to tell them
