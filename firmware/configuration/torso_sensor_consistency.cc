@@ -7,6 +7,7 @@
 #include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/hardware_consistency.h"
 #include "firmware/configuration/schema.h"
+#include "firmware/control_loop/sensor_reading.h"
 #include "hal/robot/robot_wiring.h"
 #include "hal/serial/serial_port.h"
 
@@ -117,6 +118,16 @@ void check_emergency_stop(const HardwareParameters& hardware, std::vector<Contra
   }
 }
 
+/// Whether the next pitch comes before the controller ends the extrapolation of the last one.
+void check_rate(const TorsoSensorParameters& sensor, std::vector<Contradiction>& found) {
+  constexpr double kLeast_hz = 1e9 / control_loop::kLongestExtrapolation_ns;
+  if (sensor.encoder_joint >= 0 || sensor.rate_hz >= kLeast_hz) return;
+  found.push_back({{"torso_sensor.rate_hz"},
+                   "torso_sensor.rate_hz = " + number_text(sensor.rate_hz) + " must be at least " +
+                       number_text(kLeast_hz) +
+                       ": the pitch is extrapolated until the next one, for 10 ms at most"});
+}
+
 /// Whether the port has that bit rate, and time for the messages.
 void check_port(const TorsoSensorParameters& sensor, std::vector<Contradiction>& found) {
   const std::span<const int> rates = hal::serial::bit_rates();
@@ -142,6 +153,7 @@ void check_torso_sensor(const HardwareParameters& hardware, std::vector<Contradi
   const TorsoSensorParameters& sensor = hardware.torso_sensor;
   check_encoder_joint(hardware, found);
   check_emergency_stop(hardware, found);
+  check_rate(sensor, found);
   const bool by_channel = sensor.device == TorsoDevice::channels && sensor.encoder_joint < 0;
   if (by_channel && sensor.pitch == "none") {
     found.push_back({{"torso_sensor.pitch", "torso_sensor.device"},

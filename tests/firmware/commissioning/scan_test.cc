@@ -337,7 +337,7 @@ TEST(Scan, AnUnknownDriverOnTheBusIsNotComplete) {
 }
 
 TEST(Scan, ASlowTorsoSensorIsNotComplete) {
-  HangingRobot robot({.both = {}, .robot = {"torso_sensor.rate_hz=50"}, .miswired = {}});
+  HangingRobot robot({.both = {}, .robot = {"torso_sensor.rate_hz=100"}, .miswired = {}});
   const ScanResult result = scanned(robot);
   EXPECT_FALSE(result.complete()) << to_text(result);
 }

@@ -254,5 +254,20 @@ TEST(TorsoSensor, ChannelsThatShareBitsOfAFrameAreRefused) {
       std::string::npos);
 }
 
+// Longer than the controller extrapolates a pitch, it would stand still before the next one.
+TEST(TorsoSensor, APitchThatComesTooRarelyIsRefused) {
+  EXPECT_EQ(mistakes("rate_hz = 100\n"), "");
+  EXPECT_EQ(
+      mistakes("rate_hz = 99\nemergency_stop_timeout_s = 0.2\n"),
+      "robot.toml:2:11: torso_sensor.rate_hz = 99 must be at least 100: the pitch is extrapolated until "
+      "the next one, for 10 ms at most");
+  EXPECT_NE(mistakes("device = \"canopen_encoder\"\nrate_hz = 99\nrate_window_s = 0.03\n"), "");
+  const Result other = parse(
+      "[hip_driver]\nprotocol = \"moteus\"\nmoteus_kp_Nm_rev = 2000\n[torso_sensor]\nencoder_joint = 0\n"
+      "rate_hz = 50\nemergency_stop_timeout_s = 0.2\n",
+      "robot.toml");
+  EXPECT_TRUE(other) << "the pitch comes with the replies of hip_L";
+}
+
 }  // namespace
 }  // namespace stilt::configuration
