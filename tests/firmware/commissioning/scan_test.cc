@@ -342,6 +342,16 @@ TEST(Scan, ASlowTorsoSensorIsNotComplete) {
   EXPECT_FALSE(result.complete()) << to_text(result);
 }
 
+TEST(Scan, AFastTorsoSensorIsNotComplete) {
+  HangingRobot robot({.both = {}, .robot = {"torso_sensor.rate_hz=1000"}, .miswired = {}});
+  const ScanResult result = scanned(robot);
+  EXPECT_FALSE(result.complete());
+  EXPECT_TRUE(has(to_text(result),
+                  "torso sensor: TOO OFTEN, identifier 0x150, 1000 per second where torso_sensor.rate_hz is "
+                  "500\n"))
+      << to_text(result);
+}
+
 TEST(Scan, AFaultOfADriverIsNotComplete) {
   HangingRobot robot;
   const_cast<hal::EmulatedDriver&>(robot.robot.drivers().driver(1)).raise(hal::DriverFault::over_voltage);
