@@ -59,7 +59,7 @@ constexpr Entry kEntries[] = {
      integer<&P::supervisor, &S::missed_damp_ticks>(1, 1000)},
     {"supervisor", "settle_s", "s",
      "Time after the drivers came up before their states and the torso sensor count",
-     real<&P::supervisor, &S::settle_s>(0.0, 10.0)},
+     real<&P::supervisor, &S::settle_s>(0.0, 1.0)},
     {"supervisor", "hot_C", "degC", "Temperature of driver or motor that is reported",
      real<&P::supervisor, &S::hot_C>(0.0, 300.0)},
     {"supervisor", "overheated_C", "degC", "Temperature of driver or motor at which the robot sits down",

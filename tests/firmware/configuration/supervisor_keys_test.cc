@@ -1,0 +1,26 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "firmware/configuration/configuration.h"
+
+// [supervisor]: what may be given.
+namespace stilt::configuration {
+namespace {
+
+/// All diagnostics of a section, "" when it is accepted.
+std::string mistakes(const std::string& lines) {
+  const Result result = parse("[supervisor]\n" + lines, "robot.toml");
+  return result ? "" : to_string(result.error());
+}
+
+// Settings that would switch a check of a robot off.
+TEST(SupervisorKeys, ChecksOfTheSupervisorStayInEffect) {
+  for (const char* key : {"settle_s = 1.01", "settle_s = 10"}) {
+    EXPECT_NE(mistakes(std::string(key) + "\n"), "") << key;
+  }
+  EXPECT_EQ(mistakes("settle_s = 1\n"), "");
+}
+
+}  // namespace
+}  // namespace stilt::configuration
