@@ -210,6 +210,8 @@ void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::v
         supervisor.planner_lost_s);
   check("supervisor.heartbeat_timeout_s", supervisor.heartbeat_timeout_s, "supervisor.operator_gone_s",
         supervisor.operator_gone_s);
+  check("supervisor.stand_pose_margin_rad", supervisor.stand_pose_margin_rad, "supervisor.stance_margin_rad",
+        supervisor.stance_margin_rad);
 }
 
 void check_runtime(const RuntimeParameters& runtime, std::vector<Contradiction>& found) {

@@ -253,8 +253,9 @@ TEST(Hardware, ASlowTorsoSensorIsDueEveryFewTicks) {
 
 TEST(Hardware, AMildReactionMustComeBeforeTheHardOne) {
   for (const char* key :
-       {"missed_hold_ticks = 10", "hot_C = 95", "low_voltage_V = 60", "plan_feedback_after_s = 0.3",
-        "torque_loop_overrun_s = 0.02", "stale_plan_s = 11", "heartbeat_timeout_s = 31"}) {
+       {"missed_hold_ticks = 10", "hot_C = 95", "low_voltage_V = 60",
+                          "plan_feedback_after_s = 0.3", "torque_loop_overrun_s = 0.02", "stale_plan_s = 11",
+                          "heartbeat_timeout_s = 31", "stance_margin_rad = 0.2"}) {
     EXPECT_TRUE(mistakes(std::string("[supervisor]\n") + key + "\n").starts_with("robot.toml:2:")) << key;
   }
 }

@@ -16,10 +16,10 @@ std::string mistakes(const std::string& lines) {
 
 // Settings that would switch a check of a robot off.
 TEST(SupervisorKeys, ChecksOfTheSupervisorStayInEffect) {
-  for (const char* key : {"settle_s = 1.01", "settle_s = 10"}) {
+  for (const char* key : {"settle_s = 1.01", "stand_pose_margin_rad = 0.51", "stance_margin_rad = 1.01"}) {
     EXPECT_NE(mistakes(std::string(key) + "\n"), "") << key;
   }
-  EXPECT_EQ(mistakes("settle_s = 1\n"), "");
+  EXPECT_EQ(mistakes("settle_s = 1\nstand_pose_margin_rad = 0.5\nstance_margin_rad = 1\n"), "");
 }
 
 }  // namespace
