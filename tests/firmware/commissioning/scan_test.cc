@@ -151,8 +151,8 @@ TEST(Scan, NamesAnAkThatAnswersWithItsOwnIdentifierAgainstTheConfiguration) {
 
 TEST(Scan, NamesAllSettingsOfAllDriversThatDiffer) {
   HangingRobot robot({.both = {},
-                      .robot = {"hip_driver.torque_range_Nm=60", "hip_driver.position_range_rad=12.5",
-                                "knee_driver.velocity_range_rad_s=45"},
+                      .robot = {"hip_driver.torque_range_Nm=60", "hip_driver.reply_torque_range_Nm=60",
+                                "hip_driver.position_range_rad=12.5", "knee_driver.velocity_range_rad_s=45"},
                       .miswired = {}});
   const ScanResult result = scanned(robot);
   EXPECT_FALSE(result.complete());
