@@ -7,10 +7,32 @@
 #include "firmware/configuration/hardware.h"
 #include "firmware/configuration/hardware_consistency.h"
 #include "firmware/configuration/reach.h"
+#include "firmware/control_loop/joint_names.h"
 #include "firmware/robots/robots.h"
+#include "hal/robot/driver_settings.h"
 #include "hal/robot/wiring_load.h"
 
 namespace stilt::program {
+namespace {
+
+/// A sentence for each key of a driver that bring-up would refuse for its watchdog. Drivers of one kind have
+/// the same.
+std::vector<std::string> missing_watchdogs(const configuration::HardwareParameters& hardware) {
+  constexpr std::size_t kKinds = 2;
+  const hal::RobotWiring wiring = configuration::robot_wiring(hardware);
+  std::vector<std::string> found;
+  for (std::size_t joint = 0; joint < kKinds; ++joint) {
+    const hal::bring_up::Options options = configuration::bring_up_options(hardware, joint, 0, 0);
+    for (const hal::ReadSetting& key : hal::watchdog_keys(wiring.joints[joint].driver, options)) {
+      if (key.right) continue;
+      found.push_back(std::string(control_loop::driver_section(joint)) + '.' + key.name + " is " + key.is +
+                      ", and must be " + key.wanted);
+    }
+  }
+  return found;
+}
+
+}  // namespace
 
 BusReport report_buses(const configuration::Configuration& configuration) {
   BusReport report;
@@ -20,6 +42,10 @@ BusReport report_buses(const configuration::Configuration& configuration) {
         configuration::bus_load(configuration.hardware, bus, configuration.timing.torque_rate_hz);
     report.text += hal::load_sentence(names[bus], load) + '\n';
     report.refused = report.refused || load.verdict == hal::BusLoadVerdict::refused;
+  }
+  for (const std::string& line : missing_watchdogs(configuration.hardware)) {
+    report.text += line + '\n';
+    report.refused = true;
   }
   const std::string exchangeable = configuration::exchangeable_buses(configuration.hardware);
   if (!exchangeable.empty()) report.text += exchangeable + '\n';

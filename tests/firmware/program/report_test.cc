@@ -35,6 +35,31 @@ TEST(Report, TheRobotIsThatOfTheUrdf) {
             "armature hip_L 0.83, knee_L 0.83, hip_R 0.83, knee_R 0.83 kg m^2\n");
 }
 
+TEST(Report, DriversWithoutAWatchdogAreRefused) {
+  const auto report_of = [](const std::string& protocol, const std::string& setting) {
+    const configuration::Override changes[] = {{"knee_driver.protocol=" + protocol},
+                                               {"knee_driver.position_range_rad=12.56"},
+                                               {"knee_driver." + setting}};
+    return report_buses(configuration::load_robot("amber3m", changes).value());
+  };
+  for (const char* protocol : {"mit_ak", "mit_mini_cheetah", "ak_v3"}) {
+    const BusReport report = report_of(protocol, "accept_missing_watchdog=false");
+    EXPECT_TRUE(report.refused) << protocol;
+    EXPECT_NE(report.text.find("\nknee_driver.accept_missing_watchdog is false, and must be true: it has no "
+                               "watchdog that can be read\n"),
+              std::string::npos)
+        << report.text;
+    EXPECT_FALSE(report_of(protocol, "accept_missing_watchdog=true").refused) << protocol;
+  }
+  const BusReport odrive = report_of("odrive", "accept_missing_watchdog=false");
+  EXPECT_TRUE(odrive.refused);
+  EXPECT_NE(odrive.text.find("\nknee_driver.odrive_enable_watchdog_endpoint is 0, and must be the id of "),
+            std::string::npos)
+      << odrive.text;
+  EXPECT_FALSE(report_of("odrive", "accept_missing_watchdog=true").refused);
+  EXPECT_FALSE(report_of("mit_damiao", "accept_missing_watchdog=false").refused) << "it has one";
+}
+
 // A sensor at a serial port is on neither bus.
 TEST(Report, BusesThatAScanCannotTellApartAreNamed) {
   std::vector<configuration::Override> changes = {{"hip_R.id=1"},
