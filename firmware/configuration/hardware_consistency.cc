@@ -227,6 +227,10 @@ void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::v
         supervisor.operator_gone_s);
   check("supervisor.stand_pose_margin_rad", supervisor.stand_pose_margin_rad, "supervisor.stance_margin_rad",
         supervisor.stance_margin_rad);
+  if (!supervisor.select_gait || supervisor.track_gait) return;
+  found.push_back({{"supervisor.select_gait", "supervisor.track_gait"},
+                   "supervisor.select_gait = true needs supervisor.track_gait = true: no gait is tracked "
+                   "otherwise"});
 }
 
 void check_runtime(const RuntimeParameters& runtime, std::vector<Contradiction>& found) {

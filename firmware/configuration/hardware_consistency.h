@@ -43,7 +43,8 @@ void check_gains(const HardwareParameters& hardware, const supervisor::Superviso
 void check_supply(const HardwareParameters& hardware, const supervisor::SupervisorParameters& supervisor,
                   std::vector<Contradiction>& found);
 
-/// Contradictions between thresholds of the supervisor: each mild reaction must come before the hard one.
+/// Contradictions between settings of the supervisor: each mild reaction must come before the hard one, and a
+/// gait that is selected must be tracked.
 void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::vector<Contradiction>& found);
 
 /// Contradictions between the threads.

@@ -22,5 +22,12 @@ TEST(SupervisorKeys, ChecksOfTheSupervisorStayInEffect) {
   EXPECT_EQ(mistakes("settle_s = 1\nstand_pose_margin_rad = 0.5\nstance_margin_rad = 1\n"), "");
 }
 
+TEST(SupervisorKeys, AGaitThatIsSelectedMustBeTracked) {
+  EXPECT_EQ(mistakes("select_gait = true\n"), "");
+  EXPECT_EQ(mistakes("select_gait = true\ntrack_gait = false\n"),
+            "robot.toml:2:15: supervisor.select_gait = true needs supervisor.track_gait = true: no gait is "
+            "tracked otherwise");
+}
+
 }  // namespace
 }  // namespace stilt::configuration
