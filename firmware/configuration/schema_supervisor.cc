@@ -15,7 +15,8 @@ constexpr Section kSections[] = {
 
 constexpr Entry kEntries[] = {
     {"supervisor", "torque_limit_share", "1",
-     "Share of the robot's torque limits that may be used, whatever commands the joints; --torque-limit",
+     "Share of the robot's torque limits that may be used, whatever commands the joints;\n"
+     "--torque-limit is a share of it",
      real<&P::supervisor, &S::torque_limit_share>(0.05, 1.0)},
     {"supervisor", "walk_torque_share", "1",
      "With a smaller torque_limit_share the robot stands, and neither steps nor walks",
