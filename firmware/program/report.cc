@@ -15,6 +15,10 @@
 namespace stilt::program {
 namespace {
 
+/// Of the straight leg; shipped robots stand at about 0.92. Lower, knees take much more torque; higher, legs
+/// have no travel left.
+constexpr double kLeastHeightShare = 0.8, kMostHeightShare = 0.97;
+
 /// A sentence for each key of a driver that bring-up would refuse for its watchdog. Drivers of one kind have
 /// the same.
 std::vector<std::string> missing_watchdogs(const configuration::HardwareParameters& hardware) {
@@ -63,12 +67,18 @@ std::string robot_text(const configuration::Configuration& configuration) {
   if (!robot) return robot.error() + '\n';
   const model::RobotConstants& constants = (*robot)->model.constants;
   const double* armature = constants.joint_parameters;
-  char text[200];
-  (void)std::snprintf(text, sizeof text,
-                      "mass %.4g kg, thigh %.4g m, shin %.4g m\n"
-                      "armature hip_L %.4g, knee_L %.4g, hip_R %.4g, knee_R %.4g kg m^2\n",
-                      constants.total_mass_kg, constants.thigh_length_m, constants.shin_length_m, armature[0],
-                      armature[1], armature[2], armature[3]);
+  const double height_m = configuration.reference.base_height_m;
+  const double share = height_m / (constants.thigh_length_m + constants.shin_length_m);
+  const bool usual = share >= kLeastHeightShare && share <= kMostHeightShare;
+  char text[300];
+  (void)std::snprintf(
+      text, sizeof text,
+      "mass %.4g kg, thigh %.4g m, shin %.4g m\n"
+      "armature hip_L %.4g, knee_L %.4g, hip_R %.4g, knee_R %.4g kg m^2\n"
+      "hip height %.4g m, %.0f %% of the straight leg%s\n",
+      constants.total_mass_kg, constants.thigh_length_m, constants.shin_length_m, armature[0], armature[1],
+      armature[2], armature[3], height_m, 100 * share,
+      usual ? "" : ": 80 to 97 % are usual; reference.base_height_m may be that of another robot");
   return text;
 }
 

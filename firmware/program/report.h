@@ -16,8 +16,9 @@ struct BusReport {
 };
 [[nodiscard]] BusReport report_buses(const configuration::Configuration& configuration);
 
-/// The robot of a configuration as its URDF was read, in two lines: mass and lengths, and the joints'
-/// armatures.
+/// The robot of a configuration as its URDF was read: a line of mass and lengths, one of the joints'
+/// armatures. A third has the hip height of the configuration as a share of the straight leg, and a warning
+/// where that is not usual.
 [[nodiscard]] std::string robot_text(const configuration::Configuration& configuration);
 
 /// Whether the machine must be real time to run this configuration.

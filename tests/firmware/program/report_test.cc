@@ -32,7 +32,23 @@ TEST(Report, ARobotThatCannotStandAsConfiguredIsRefused) {
 TEST(Report, TheRobotIsThatOfTheUrdf) {
   EXPECT_EQ(robot_text(*configuration::load_robot("rabbit")),
             "mass 32 kg, thigh 0.4 m, shin 0.4 m\n"
-            "armature hip_L 0.83, knee_L 0.83, hip_R 0.83, knee_R 0.83 kg m^2\n");
+            "armature hip_L 0.83, knee_L 0.83, hip_R 0.83, knee_R 0.83 kg m^2\n"
+            "hip height 0.735 m, 92 % of the straight leg\n");
+}
+
+// A file that was made for one robot and then given another keeps the stance of the first.
+TEST(Report, AHipHeightThatMayBeOfAnotherRobotIsNamed) {
+  const auto last_line = [](const char* robot, const char* height) {
+    const configuration::Override other[] = {{height}};
+    const std::string text = robot_text(*configuration::load_robot(robot, other));
+    return text.substr(text.find("hip height"));
+  };
+  EXPECT_EQ(last_line("rabbit", "reference.base_height_m=0.79"),
+            "hip height 0.79 m, 99 % of the straight leg: 80 to 97 % are usual; reference.base_height_m may "
+            "be that of another robot\n");
+  EXPECT_NE(last_line("amber3m", "reference.base_height_m=0.69").find("another robot"), std::string::npos);
+  for (const char* height : {"reference.base_height_m=0.7", "reference.base_height_m=0.84"})
+    EXPECT_EQ(last_line("amber3m", height).find("another robot"), std::string::npos) << height;
 }
 
 TEST(Report, DriversWithoutAWatchdogAreRefused) {
