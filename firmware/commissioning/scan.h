@@ -54,8 +54,10 @@ struct ScannedFrames {
 
   /// They come more rarely than the controller counts on: its readings would be late.
   [[nodiscard]] bool slow() const noexcept { return rate_hz < 0.8 * expected_hz; }
-  /// The configuration names them, and they come often enough.
-  [[nodiscard]] bool well() const noexcept { return rate_hz > 0 && !slow(); }
+  /// They come more often: the controller would count missing ones late.
+  [[nodiscard]] bool fast() const noexcept { return expected_hz > 0 && rate_hz > 1.5 * expected_hz; }
+  /// The configuration names them, and they come as often as it states.
+  [[nodiscard]] bool well() const noexcept { return rate_hz > 0 && !slow() && !fast(); }
 };
 
 /// What answers or sends on one bus.

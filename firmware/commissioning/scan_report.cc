@@ -99,8 +99,9 @@ std::string frames_text(const ScannedFrames& frames) {
 
 std::string sensor_text(const ScannedFrames& frames) {
   if (frames.rate_hz == 0) return "MISSING, identifier " + hexadecimal(frames.id);
-  if (!frames.slow()) return frames_text(frames);
-  return "LATE, " + frames_text(frames) + formatted(" where torso_sensor.rate_hz is %g", frames.expected_hz);
+  if (frames.well()) return frames_text(frames);
+  return (frames.slow() ? "LATE, " : "TOO OFTEN, ") + frames_text(frames) +
+         formatted(" where torso_sensor.rate_hz is %g", frames.expected_hz);
 }
 
 std::string bus_text(const ScanResult& result, const ScannedBus& bus) {

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstdint>
+#include <set>
 #include <sstream>
 #include <vector>
 
@@ -84,6 +85,13 @@ bool take_number(std::string_view word, std::string_view number, ChannelRow& row
   return true;
 }
 
+/// What a word sets.
+std::string_view meaning(std::string_view word) {
+  if (word == "signed" || word == "unsigned" || word == "float") return "the type";
+  if (word == "little" || word == "big") return "the byte order";
+  return word;
+}
+
 }  // namespace
 
 std::expected<std::optional<ChannelRow>, std::string> parse_channel(std::string_view text,
@@ -94,8 +102,10 @@ std::expected<std::optional<ChannelRow>, std::string> parse_channel(std::string_
   for (std::string word; stream >> word;) words.push_back(word);
   ChannelRow row;
   row.channel = channel;
-  bool has_id = false;
+  std::set<std::string_view> given;
   for (std::size_t i = 0; i < words.size(); ++i) {
+    if (const std::string_view what = meaning(words[i]); !given.insert(what).second)
+      return std::unexpected(std::string(what) + " is given twice" + std::string(kForm));
     if (take_flag(words[i], row)) continue;
     const std::string_view number = i + 1 < words.size() ? std::string_view(words[i + 1]) : "";
     if (!take_number(words[i], number, row)) {
@@ -103,10 +113,10 @@ std::expected<std::optional<ChannelRow>, std::string> parse_channel(std::string_
       if (!number.empty()) mistake.append(" ").append(number);
       return std::unexpected(mistake.append("\" is not understood").append(kForm));
     }
-    has_id = has_id || words[i] == "id";
     ++i;
   }
-  if (!has_id) return std::unexpected("the identifier of the frame is missing" + std::string(kForm));
+  if (!given.contains("id"))
+    return std::unexpected("the identifier of the frame is missing" + std::string(kForm));
   if (!hal::valid(row)) {
     return std::unexpected(
         "no frame holds this field: identifiers end at 0x7ff (0x1fffffff extended), fields have 1 to 32 bits "

@@ -10,7 +10,7 @@
 namespace stilt::configuration {
 
 /// Reads which bits of which frame are a channel: value = scale raw + offset. "none" gives nothing. Words in
-/// any order, numbers decimal or 0x:
+/// any order, each once, numbers decimal or 0x:
 ///
 ///   id N  [extended]  byte N  [bit N]  bits N  signed|unsigned|float  little|big  [scale X]  [offset X]
 ///   [invalid N]

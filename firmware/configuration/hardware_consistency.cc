@@ -112,12 +112,14 @@ void check_endpoints(const VersionKeys& keys, const DriverParameters& driver,
 }
 
 struct RangeKeys {
-  std::string_view position, kp, kd;
+  std::string_view position, kp, kd, torque, reply_torque;
 };
 constexpr RangeKeys kHipRanges = {"hip_driver.position_range_rad", "hip_driver.kp_range_Nm_rad",
-                                  "hip_driver.kd_range_Nms_rad"};
+                                  "hip_driver.kd_range_Nms_rad", "hip_driver.torque_range_Nm",
+                                  "hip_driver.reply_torque_range_Nm"};
 constexpr RangeKeys kKneeRanges = {"knee_driver.position_range_rad", "knee_driver.kp_range_Nm_rad",
-                                   "knee_driver.kd_range_Nms_rad"};
+                                   "knee_driver.kd_range_Nms_rad", "knee_driver.torque_range_Nm",
+                                   "knee_driver.reply_torque_range_Nm"};
 
 /// The ranges of an AK of version 3 are the same for every model, but for velocity and torque. Another range
 /// scales every command wrongly.
@@ -136,6 +138,17 @@ void check_ak_ranges(const RangeKeys& keys, const DriverParameters& driver,
     refuse(keys.kp, driver.kp_range_Nm_rad, hal::ak::kAkKp_Nm_rad);
   if (driver.kd_range_Nms_rad != hal::ak::kAkKd_Nms_rad)
     refuse(keys.kd, driver.kd_range_Nms_rad, hal::ak::kAkKd_Nms_rad);
+}
+
+/// A Damiao has one range of torque, and bring-up compares both with it.
+void check_damiao_ranges(const RangeKeys& keys, const DriverParameters& driver,
+                         std::vector<Contradiction>& found) {
+  if (driver.protocol != DriverProtocol::mit_damiao || driver.reply_torque_range_Nm == driver.torque_range_Nm)
+    return;
+  found.push_back({{keys.reply_torque, keys.torque},
+                   std::string(keys.reply_torque) + " = " + number_text(driver.reply_torque_range_Nm) +
+                       " must be " + std::string(keys.torque) + " = " + number_text(driver.torque_range_Nm) +
+                       ": a Damiao has one range for both, its TMAX"});
 }
 
 void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Contradiction>& found) {
@@ -163,6 +176,8 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
   check_endpoints(kKneeVersions, hardware.knee, found);
   check_ak_ranges(kHipRanges, hardware.hip, found);
   check_ak_ranges(kKneeRanges, hardware.knee, found);
+  check_damiao_ranges(kHipRanges, hardware.hip, found);
+  check_damiao_ranges(kKneeRanges, hardware.knee, found);
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
     check_bus(kKeys[i].bus, hardware.joint[i].bus, buses, found);
     check_ids(hardware, i, found);
@@ -210,6 +225,12 @@ void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::v
         supervisor.planner_lost_s);
   check("supervisor.heartbeat_timeout_s", supervisor.heartbeat_timeout_s, "supervisor.operator_gone_s",
         supervisor.operator_gone_s);
+  check("supervisor.stand_pose_margin_rad", supervisor.stand_pose_margin_rad, "supervisor.stance_margin_rad",
+        supervisor.stance_margin_rad);
+  if (!supervisor.select_gait || supervisor.track_gait) return;
+  found.push_back({{"supervisor.select_gait", "supervisor.track_gait"},
+                   "supervisor.select_gait = true needs supervisor.track_gait = true: no gait is tracked "
+                   "otherwise"});
 }
 
 void check_runtime(const RuntimeParameters& runtime, std::vector<Contradiction>& found) {

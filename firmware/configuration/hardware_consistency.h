@@ -24,7 +24,7 @@ void check_torso_range(const HardwareParameters& hardware, const supervisor::Sup
                        std::vector<Contradiction>& found);
 
 /// Nodes of one bus whose frames would be taken for each other's: drivers among themselves, and drivers and
-/// torso sensor. Supposes a wiring that is valid in all else.
+/// torso sensor. Also channels that share bits of a frame. Supposes a wiring that is valid in all else.
 void check_identifiers(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
 /// A sentence about two buses with the same identifiers of drivers, and no frame of a sensor to tell them
@@ -43,7 +43,8 @@ void check_gains(const HardwareParameters& hardware, const supervisor::Superviso
 void check_supply(const HardwareParameters& hardware, const supervisor::SupervisorParameters& supervisor,
                   std::vector<Contradiction>& found);
 
-/// Contradictions between thresholds of the supervisor: each mild reaction must come before the hard one.
+/// Contradictions between settings of the supervisor: each mild reaction must come before the hard one, and a
+/// gait that is selected must be tracked.
 void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::vector<Contradiction>& found);
 
 /// Contradictions between the threads.

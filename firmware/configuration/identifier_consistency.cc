@@ -83,6 +83,22 @@ void compare(const Node& earlier, const Node& later, std::vector<Contradiction>&
                        "; give one of them another identifier or another bus"});
 }
 
+/// Channels of one frame: the bits of one would be read as the other, too.
+void check_bits(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
+  const hal::RobotWiring wiring = robot_wiring(hardware);
+  const std::span rows = std::span(wiring.channels).first(wiring.channel_count);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!overlap(rows[j], rows[i])) continue;
+      const std::string_view earlier = key_of(rows[j], hardware.torso_sensor.device);
+      const std::string_view later = key_of(rows[i], hardware.torso_sensor.device);
+      found.push_back({{later, earlier},
+                       std::string(later) + " and " + std::string(earlier) +
+                           " share bits of a frame; give each the bits that the sensor sends for it"});
+    }
+  }
+}
+
 /// Identifiers of all frames on a bus, each with whether it has 29 bits.
 std::set<std::pair<std::uint32_t, bool>> identifiers_on(const hal::RobotWiring& wiring, std::size_t bus) {
   std::set<std::pair<std::uint32_t, bool>> found;
@@ -125,6 +141,7 @@ void check_identifiers(const HardwareParameters& hardware, std::vector<Contradic
     for (std::size_t j = 0; j < i; ++j) compare(joints[j], joints[i], found);
     for (const Node& sensor : sensors) compare(joints[i], sensor, found);
   }
+  check_bits(hardware, found);
   if (!sensors.empty()) {
     for (const Node& frame : std::span(sensors).first(sensors.size() - 1))
       compare(frame, sensors.back(), found);

@@ -66,7 +66,9 @@ constexpr Section kSections[] = {
 constexpr Entry kEntries[] = {
     {"robot", "armature_scale", "1", "Factor on the armature of the URDF; 0 plans without it",
      real<&P::robot, &RobotParameters::armature_scale>(0.0, 10.0)},
-    {"robot", "torque_limit_scale", "1", "Factor on the joint torque limits of the URDF",
+    {"robot", "torque_limit_scale", "1",
+     "Factor on the joint torque limits of the URDF, of plans and the torque law only;\n"
+     "supervisor.torque_limit_share limits all",
      real<&P::robot, &RobotParameters::torque_limit_scale>(0.05, 10.0)},
     {"robot", "velocity_limit_scale", "1", "Factor on the joint velocity limits of the URDF",
      real<&P::robot, &RobotParameters::velocity_limit_scale>(0.05, 10.0)},

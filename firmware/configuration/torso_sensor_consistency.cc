@@ -7,6 +7,7 @@
 #include "firmware/configuration/driver_of.h"
 #include "firmware/configuration/hardware_consistency.h"
 #include "firmware/configuration/schema.h"
+#include "firmware/control_loop/sensor_reading.h"
 #include "hal/robot/robot_wiring.h"
 #include "hal/serial/serial_port.h"
 
@@ -93,21 +94,38 @@ void check_encoder_joint(const HardwareParameters& hardware, std::vector<Contrad
   }
 }
 
-/// Whether a raw value means "pressed": it is read as released for every value but 0.
+/// Whether a frame means "pressed": it is read as released for every value but 0.
 void check_emergency_stop(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
+  constexpr std::string_view kKey = "torso_sensor.emergency_stop_released";
+  constexpr auto kChannel = BaseChannel::emergency_stop_released;
   const hal::RobotWiring wiring = robot_wiring(hardware);
-  const hal::ChannelRow* row = row_of(wiring, BaseChannel::emergency_stop_released);
-  if (row == nullptr || row->type == hal::RawType::float32) return;
-  const bool is_signed = row->type == hal::RawType::signed_integer;
-  const double least = is_signed ? -std::ldexp(1.0, row->bits - 1) : 0.0;
-  const double most = std::ldexp(1.0, is_signed ? row->bits - 1 : row->bits) - 1;
-  const double pressed = std::round(-row->offset / row->scale);
-  if (pressed >= least && pressed <= most && row->scale * pressed + row->offset == 0) return;
-  found.push_back(
-      {{"torso_sensor.emergency_stop_released"},
-       "torso_sensor.emergency_stop_released is 0 for no raw value: a pressed emergency stop would never be "
-       "seen; give \"scale 1\" without an offset, or \"scale -1 offset 1\" for a bit that is 1 while it "
-       "is pressed"});
+  const hal::ChannelRow* row = row_of(wiring, kChannel);
+  if (row == nullptr) return;
+  hal::CanFrame frame = {.id = row->id, .length = hal::kMaximumFrameBytes, .extended = row->extended};
+  hal::ChannelValues pressed;
+  const bool carried = encode(*row, 0, frame) == hal::EncodeStatus::ok &&
+                       decode({row, 1}, frame, pressed) == hal::DecodeStatus::ok;
+  if (carried && !pressed.has(kChannel)) {
+    found.push_back({{kKey},
+                     std::string(kKey) +
+                         " has the raw value of a pressed emergency stop as invalid: it would "
+                         "never be seen; leave \"invalid\" out"});
+  } else if (!carried || pressed[kChannel] != 0) {
+    found.push_back({{kKey},
+                     std::string(kKey) + " is 0 for no raw value: a pressed emergency stop would never be "
+                                         "seen; give \"scale 1\" without an offset, or \"scale -1 offset 1\" "
+                                         "for a bit that is 1 while it is pressed"});
+  }
+}
+
+/// Whether the next pitch comes before the controller ends the extrapolation of the last one.
+void check_rate(const TorsoSensorParameters& sensor, std::vector<Contradiction>& found) {
+  constexpr double kLeast_hz = 1e9 / control_loop::kLongestExtrapolation_ns;
+  if (sensor.encoder_joint >= 0 || sensor.rate_hz >= kLeast_hz) return;
+  found.push_back({{"torso_sensor.rate_hz"},
+                   "torso_sensor.rate_hz = " + number_text(sensor.rate_hz) + " must be at least " +
+                       number_text(kLeast_hz) +
+                       ": the pitch is extrapolated until the next one, for 10 ms at most"});
 }
 
 /// Whether the port has that bit rate, and time for the messages.
@@ -135,6 +153,7 @@ void check_torso_sensor(const HardwareParameters& hardware, std::vector<Contradi
   const TorsoSensorParameters& sensor = hardware.torso_sensor;
   check_encoder_joint(hardware, found);
   check_emergency_stop(hardware, found);
+  check_rate(sensor, found);
   const bool by_channel = sensor.device == TorsoDevice::channels && sensor.encoder_joint < 0;
   if (by_channel && sensor.pitch == "none") {
     found.push_back({{"torso_sensor.pitch", "torso_sensor.device"},

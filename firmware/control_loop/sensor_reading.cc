@@ -11,8 +11,7 @@ using model::kJoints;
 /// The pitch now: the newest one, extrapolated with its rate when the torso sensor is slower than the torque
 /// loop.
 double pitch_now_rad(const hal::BaseReading& base, std::int64_t now_ns) noexcept {
-  constexpr std::int64_t kLongest_ns = 10'000'000;
-  const std::int64_t age_ns = std::clamp<std::int64_t>(now_ns - base.time_ns, 0, kLongest_ns);
+  const std::int64_t age_ns = std::clamp<std::int64_t>(now_ns - base.time_ns, 0, kLongestExtrapolation_ns);
   const double change_rad = 1e-9 * static_cast<double>(age_ns) * base.pitch_rate_rad_s;
   return std::isfinite(change_rad) ? base.pitch_rad + change_rad : base.pitch_rad;
 }

@@ -8,8 +8,11 @@
 /// What estimator and detectors take from the readings of a tick. All functions may run in real time.
 namespace stilt::control_loop {
 
-/// Joints and torso. The pitch is extrapolated with its rate to now_ns, by at most 10 ms, because the torso
-/// sensor may be slower than the torque loop.
+/// A pitch is extrapolated for so long at most.
+inline constexpr std::int64_t kLongestExtrapolation_ns = 10'000'000;
+
+/// Joints and torso. The pitch is extrapolated with its rate to now_ns, by at most kLongestExtrapolation_ns,
+/// because the torso sensor may be slower than the torque loop.
 /// @param time_s  of the control loop
 [[nodiscard]] control::SensorReading sensor_reading(double time_s, const hal::RobotReadings& readings,
                                                     std::int64_t now_ns) noexcept;

@@ -39,6 +39,8 @@ std::expected<void, std::string> follow_gaits(const model::RobotModel& robot,
   const auto loaded = gait_files::load_shipped_library(configuration.hardware.robot, gaits);
   if (!loaded && planned)
     return std::unexpected(source + ": controller.reference is hzd, and " + loaded.error());
+  if (!loaded && configuration.supervisor.select_gait)
+    return std::unexpected(source + ": supervisor.select_gait is true, and " + loaded.error());
   if (!loaded) return {};
   if (planned) planner.follow(gaits);
   if (configuration.supervisor.track_gait) loop.track_without_plan(robot, configuration, gaits);

@@ -77,20 +77,29 @@ void limit_torque(Options& options) {
 
 std::expected<void, std::string> check_start(const Options& options) {
   if (!options.start || options.start->kind == gait::GaitKind::stand) return {};
-  char text[200];
+  char text[250];
   const double limit_m_s = options.configuration.telemetry.speed_limit_m_s;
   if (std::abs(options.start->speed_m_s) > limit_m_s) {
     std::snprintf(text, sizeof text, "--start: %g m/s is beyond telemetry.speed_limit_m_s, %g m/s either way",
                   options.start->speed_m_s, limit_m_s);
     return std::unexpected(text);
   }
-  const supervisor::SupervisorParameters& parameters = options.configuration.supervisor;
-  if (supervisor::may_walk(parameters)) return {};
-  std::snprintf(
-      text, sizeof text,
-      "--start: stepping and walking need a torque limit of at least %g of the joints' "
-      "(supervisor.walk_torque_share), and it is %g; take --start stand, or a larger --torque-limit",
-      parameters.walk_torque_share, parameters.torque_limit_share);
+  // Plans with less torque than walking needs fall, too.
+  const supervisor::SupervisorParameters& supervisor = options.configuration.supervisor;
+  const double scale = options.configuration.robot.torque_limit_scale;
+  supervisor::SupervisorParameters least = supervisor;
+  least.torque_limit_share = std::min(supervisor.torque_limit_share, scale);
+  if (supervisor::may_walk(least)) return {};
+  const char* key = "--torque-limit";
+  if (supervisor.torque_limit_share < supervisor.walk_torque_share * options.torque_limit_share) {
+    key = "supervisor.torque_limit_share";  // too small without the option
+  } else if (supervisor::may_walk(supervisor)) {
+    key = "robot.torque_limit_scale";
+  }
+  std::snprintf(text, sizeof text,
+                "--start: stepping and walking need a torque limit of at least %g of the joints' "
+                "(supervisor.walk_torque_share), and it is %g; take --start stand, or a larger %s",
+                supervisor.walk_torque_share, least.torque_limit_share, key);
   return std::unexpected(text);
 }
 
@@ -286,7 +295,7 @@ std::expected<void, std::string> read_options(int argc, char** argv, const std::
                  "goes there without an operator: stand, step or walk@SPEED (m/s); without it, waits idle");
   app.add_option("--duration", options.duration_s, "sits down and ends after this time, s; 0: never");
   app.add_option("--torque-limit", options.torque_limit_share,
-                 "share of the joints' torque limits that may be used, 0.05 to 1, for first days; below "
+                 "share of supervisor.torque_limit_share that may be used, 0.05 to 1, for first days; below "
                  "supervisor.walk_torque_share the robot stands and does not walk");
   app.add_flag("--lockstep", options.lockstep,
                "takes turns with a simulated robot instead of following the clock");

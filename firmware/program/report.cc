@@ -7,10 +7,36 @@
 #include "firmware/configuration/hardware.h"
 #include "firmware/configuration/hardware_consistency.h"
 #include "firmware/configuration/reach.h"
+#include "firmware/control_loop/joint_names.h"
 #include "firmware/robots/robots.h"
+#include "hal/robot/driver_settings.h"
 #include "hal/robot/wiring_load.h"
 
 namespace stilt::program {
+namespace {
+
+/// Of the straight leg; shipped robots stand at about 0.92. Lower, knees take much more torque; higher, legs
+/// have no travel left.
+constexpr double kLeastHeightShare = 0.8, kMostHeightShare = 0.97;
+
+/// A sentence for each key of a driver that bring-up would refuse for its watchdog. Drivers of one kind have
+/// the same.
+std::vector<std::string> missing_watchdogs(const configuration::HardwareParameters& hardware) {
+  constexpr std::size_t kKinds = 2;
+  const hal::RobotWiring wiring = configuration::robot_wiring(hardware);
+  std::vector<std::string> found;
+  for (std::size_t joint = 0; joint < kKinds; ++joint) {
+    const hal::bring_up::Options options = configuration::bring_up_options(hardware, joint, 0, 0);
+    for (const hal::ReadSetting& key : hal::watchdog_keys(wiring.joints[joint].driver, options)) {
+      if (key.right) continue;
+      found.push_back(std::string(control_loop::driver_section(joint)) + '.' + key.name + " is " + key.is +
+                      ", and must be " + key.wanted);
+    }
+  }
+  return found;
+}
+
+}  // namespace
 
 BusReport report_buses(const configuration::Configuration& configuration) {
   BusReport report;
@@ -20,6 +46,10 @@ BusReport report_buses(const configuration::Configuration& configuration) {
         configuration::bus_load(configuration.hardware, bus, configuration.timing.torque_rate_hz);
     report.text += hal::load_sentence(names[bus], load) + '\n';
     report.refused = report.refused || load.verdict == hal::BusLoadVerdict::refused;
+  }
+  for (const std::string& line : missing_watchdogs(configuration.hardware)) {
+    report.text += line + '\n';
+    report.refused = true;
   }
   const std::string exchangeable = configuration::exchangeable_buses(configuration.hardware);
   if (!exchangeable.empty()) report.text += exchangeable + '\n';
@@ -37,12 +67,18 @@ std::string robot_text(const configuration::Configuration& configuration) {
   if (!robot) return robot.error() + '\n';
   const model::RobotConstants& constants = (*robot)->model.constants;
   const double* armature = constants.joint_parameters;
-  char text[200];
-  (void)std::snprintf(text, sizeof text,
-                      "mass %.4g kg, thigh %.4g m, shin %.4g m\n"
-                      "armature hip_L %.4g, knee_L %.4g, hip_R %.4g, knee_R %.4g kg m^2\n",
-                      constants.total_mass_kg, constants.thigh_length_m, constants.shin_length_m, armature[0],
-                      armature[1], armature[2], armature[3]);
+  const double height_m = configuration.reference.base_height_m;
+  const double share = height_m / (constants.thigh_length_m + constants.shin_length_m);
+  const bool usual = share >= kLeastHeightShare && share <= kMostHeightShare;
+  char text[300];
+  (void)std::snprintf(
+      text, sizeof text,
+      "mass %.4g kg, thigh %.4g m, shin %.4g m\n"
+      "armature hip_L %.4g, knee_L %.4g, hip_R %.4g, knee_R %.4g kg m^2\n"
+      "hip height %.4g m, %.0f %% of the straight leg%s\n",
+      constants.total_mass_kg, constants.thigh_length_m, constants.shin_length_m, armature[0], armature[1],
+      armature[2], armature[3], height_m, 100 * share,
+      usual ? "" : ": 80 to 97 % are usual; reference.base_height_m may be that of another robot");
   return text;
 }
 

@@ -8,16 +8,17 @@
 namespace stilt::program {
 
 /// What a configuration means for the buses: a line per bus, and one where two cannot be told apart. Others
-/// name what their frames cannot carry, and poses that the robot cannot take. `refused`: a bus is loaded
-/// beyond what works, or there is such a thing.
+/// name what their frames cannot carry, drivers without a watchdog, and poses that the robot cannot take.
+/// `refused`: a bus is loaded beyond what works, or there is such a thing.
 struct BusReport {
   std::string text;
   bool refused = false;
 };
 [[nodiscard]] BusReport report_buses(const configuration::Configuration& configuration);
 
-/// The robot of a configuration as its URDF was read, in two lines: mass and lengths, and the joints'
-/// armatures.
+/// The robot of a configuration as its URDF was read: a line of mass and lengths, one of the joints'
+/// armatures. A third has the hip height of the configuration as a share of the straight leg, and a warning
+/// where that is not usual.
 [[nodiscard]] std::string robot_text(const configuration::Configuration& configuration);
 
 /// Whether the machine must be real time to run this configuration.

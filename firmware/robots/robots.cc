@@ -47,6 +47,17 @@ std::optional<std::string> wrong_names(const codegen::PlanarTree& tree,
   return std::nullopt;
 }
 
+/// gait::leg_angles() bends knees to positive angles alone.
+std::optional<std::string> wrong_knees(const codegen::PlanarTree& tree) {
+  for (int j = 1; j < model::kJoints; j += 2) {
+    const codegen::PlanarJoint& knee = tree.links[static_cast<std::size_t>(j) + 1].joint;
+    if (knee.position_max_rad > 0.0) continue;
+    return "the upper limit of joint '" + knee.name +
+           "' must be above 0: knees bend to positive angles, which swing the shin backward";
+  }
+  return std::nullopt;
+}
+
 model::RobotConstants constants_of(const codegen::PlanarTree& tree,
                                    const std::vector<codegen::ShapeNumber>& numbers) {
   model::RobotConstants constants{};
@@ -132,6 +143,7 @@ std::expected<Robot, std::string> parse(std::string_view name, std::string_view 
     if (const auto wrong = wrong_names(robot.tree, numbers)) {
       return std::unexpected(robot.name + ": " + *wrong);
     }
+    if (const auto wrong = wrong_knees(robot.tree)) return std::unexpected(robot.name + ": " + *wrong);
     robot.model = model::make_robot(constants_of(robot.tree, numbers));
   } catch (const codegen::UrdfError& error) {
     return std::unexpected(sentence(error));

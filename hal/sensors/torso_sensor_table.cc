@@ -95,6 +95,17 @@ bool valid(const ChannelRow& row) noexcept {
          std::isfinite(row.offset) && static_cast<std::size_t>(row.channel) < kBaseChannels;
 }
 
+bool overlap(const ChannelRow& first, const ChannelRow& second) noexcept {
+  if (first.id != second.id || first.extended != second.extended) return false;
+  CanFrame bits_of_first, bits_of_second;
+  scatter(first, field_mask(first) << first.bit_offset, bits_of_first);
+  scatter(second, field_mask(second) << second.bit_offset, bits_of_second);
+  for (std::size_t i = 0; i < kMaximumFrameBytes; ++i) {
+    if ((bits_of_first.data[i] & bits_of_second.data[i]) != 0) return true;
+  }
+  return false;
+}
+
 DecodeStatus decode(std::span<const ChannelRow> table, const CanFrame& frame,
                     ChannelValues& values) noexcept {
   if (frame.remote || frame.error || frame.length > frame.data.size()) return DecodeStatus::not_addressed;

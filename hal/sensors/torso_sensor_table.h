@@ -68,6 +68,9 @@ struct ChannelValues {
 /// finite.
 [[nodiscard]] bool valid(const ChannelRow& row) noexcept;
 
+/// Whether both are of one frame and share bits of it.
+[[nodiscard]] bool overlap(const ChannelRow& first, const ChannelRow& second) noexcept;
+
 /// All channels the table finds in a frame, whole or not at all.
 /// not_addressed: no row has this identifier. wrong_length: a field lies beyond the frame. not_finite: a
 /// float is NaN, infinite, or overflows when scaled. A value marked invalid by the sensor is just not

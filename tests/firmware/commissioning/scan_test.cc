@@ -151,8 +151,8 @@ TEST(Scan, NamesAnAkThatAnswersWithItsOwnIdentifierAgainstTheConfiguration) {
 
 TEST(Scan, NamesAllSettingsOfAllDriversThatDiffer) {
   HangingRobot robot({.both = {},
-                      .robot = {"hip_driver.torque_range_Nm=60", "hip_driver.position_range_rad=12.5",
-                                "knee_driver.velocity_range_rad_s=45"},
+                      .robot = {"hip_driver.torque_range_Nm=60", "hip_driver.reply_torque_range_Nm=60",
+                                "hip_driver.position_range_rad=12.5", "knee_driver.velocity_range_rad_s=45"},
                       .miswired = {}});
   const ScanResult result = scanned(robot);
   EXPECT_FALSE(result.complete());
@@ -337,9 +337,19 @@ TEST(Scan, AnUnknownDriverOnTheBusIsNotComplete) {
 }
 
 TEST(Scan, ASlowTorsoSensorIsNotComplete) {
-  HangingRobot robot({.both = {}, .robot = {"torso_sensor.rate_hz=50"}, .miswired = {}});
+  HangingRobot robot({.both = {}, .robot = {"torso_sensor.rate_hz=100"}, .miswired = {}});
   const ScanResult result = scanned(robot);
   EXPECT_FALSE(result.complete()) << to_text(result);
+}
+
+TEST(Scan, AFastTorsoSensorIsNotComplete) {
+  HangingRobot robot({.both = {}, .robot = {"torso_sensor.rate_hz=1000"}, .miswired = {}});
+  const ScanResult result = scanned(robot);
+  EXPECT_FALSE(result.complete());
+  EXPECT_TRUE(has(to_text(result),
+                  "torso sensor: TOO OFTEN, identifier 0x150, 1000 per second where torso_sensor.rate_hz is "
+                  "500\n"))
+      << to_text(result);
 }
 
 TEST(Scan, AFaultOfADriverIsNotComplete) {

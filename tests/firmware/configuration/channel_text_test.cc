@@ -40,5 +40,19 @@ TEST(Channel, NoneGivesNothingAndNonsenseIsNamed) {
                   .starts_with("\"colour 3\" is not understood"));
 }
 
+TEST(Channel, AWordThatIsGivenTwiceIsRefused) {
+  const auto error = [](const std::string& words) {
+    const auto row =
+        parse_channel("id 0x150 byte 0 bits 24 signed little scale 1e-6 " + words, BaseChannel::pitch_rad);
+    return row ? "" : row.error().substr(0, row.error().find(';'));
+  };
+  EXPECT_EQ(error(""), "");
+  EXPECT_EQ(error("scale 1"), "scale is given twice");
+  EXPECT_EQ(error("id 0x151"), "id is given twice");
+  EXPECT_EQ(error("unsigned"), "the type is given twice");
+  EXPECT_EQ(error("big"), "the byte order is given twice");
+  EXPECT_EQ(error("invalid 1 invalid 1"), "invalid is given twice");
+}
+
 }  // namespace
 }  // namespace stilt::configuration

@@ -252,11 +252,20 @@ TEST(Hardware, ASlowTorsoSensorIsDueEveryFewTicks) {
 }
 
 TEST(Hardware, AMildReactionMustComeBeforeTheHardOne) {
-  for (const char* key :
-       {"missed_hold_ticks = 10", "hot_C = 95", "low_voltage_V = 60", "plan_feedback_after_s = 0.3",
-        "torque_loop_overrun_s = 0.02", "stale_plan_s = 11", "heartbeat_timeout_s = 31"}) {
+  for (const char* key : {"missed_hold_ticks = 10", "hot_C = 95", "low_voltage_V = 60",
+                          "plan_feedback_after_s = 0.3", "torque_loop_overrun_s = 0.02", "stale_plan_s = 11",
+                          "heartbeat_timeout_s = 31", "stance_margin_rad = 0.2"}) {
     EXPECT_TRUE(mistakes(std::string("[supervisor]\n") + key + "\n").starts_with("robot.toml:2:")) << key;
   }
+}
+
+TEST(Hardware, ADamiaoHasOneRangeOfTorque) {
+  EXPECT_EQ(mistakes("[knee_driver]\nreply_torque_range_Nm = 100\n"),
+            "robot.toml:2:25: knee_driver.reply_torque_range_Nm = 100 must be knee_driver.torque_range_Nm = "
+            "120: a Damiao has one range for both, its TMAX");
+  EXPECT_NE(mistakes("[hip_driver]\ntorque_range_Nm = 100\n"), "");
+  EXPECT_EQ(mistakes("[hip_driver]\ntorque_range_Nm = 100\nreply_torque_range_Nm = 100\n"), "");
+  EXPECT_EQ(mistakes(with_drivers("mit_ak", "reply_torque_range_Nm = 100\n", "")), "");
 }
 
 TEST(Hardware, ALowVoltageThatAMiniCheetahCannotReportIsRefused) {
@@ -346,7 +355,8 @@ TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
 TEST(Hardware, BringUpAndWiringHaveTheNumbersOfTheFile) {
   const Result result = parse(
       "[hardware]\ndriver_watchdog_s = 0.05\nlongest_reply_lag_s = 0.0045\n"
-      "[knee_driver]\nminimum_version = 77\nencoder_period_rad = 0.75\naccept_missing_watchdog = true\n"
+      "[knee_driver]\nprotocol = \"mit_ak\"\nminimum_version = 77\nencoder_period_rad = "
+      "0.75\naccept_missing_watchdog = true\n"
       "torque_range_Nm = 40\nreply_torque_range_Nm = 45\n"
       "[torso_sensor]\nemergency_stop_timeout_s = 0.25\nencoder_offset_rad = 0.125\n",
       "robot.toml");

@@ -178,6 +178,9 @@ TEST(Write, WhatIsWrittenReadsBackBitForBit) {
         choice->set(parameters, static_cast<int>(random() % words));
       }
     }
+    for (DriverParameters* driver : {&parameters.hardware.hip, &parameters.hardware.knee})
+      driver->reply_torque_range_Nm = driver->torque_range_Nm;  // a Damiao has one range
+    parameters.supervisor.track_gait |= parameters.supervisor.select_gait;
     const std::string text = to_toml(parameters, "Heading");
     const Result result = parse(text, "robot.toml");
     ASSERT_TRUE(result) << "seed " << seed << ", trial " << trial << ": " << to_string(result.error());

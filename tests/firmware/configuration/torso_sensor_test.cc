@@ -219,6 +219,54 @@ TEST(TorsoSensor, AnEmergencyStopThatCanNeverReadAsPressedIsRefused) {
                             "8 unsigned little scale 1 offset -255", "1 signed little scale 1 offset 1"}) {
     EXPECT_EQ(of(right), "") << right;
   }
+  for (const char* invalid :
+       {"1 unsigned little scale 1 invalid 0", "1 unsigned little scale -1 offset 1 invalid 1",
+        "8 signed little scale 1 offset 1 invalid 0xff"}) {
+    EXPECT_NE(of(invalid).find("has the raw value of a pressed emergency stop as invalid"), std::string::npos)
+        << invalid;
+  }
+  EXPECT_EQ(of("2 unsigned little scale 1 invalid 3"), "");
+  EXPECT_NE(mistakes("emergency_stop_released = \"id 0x151 byte 0 bits 32 float offset 0.1\"\n")
+                .find("is 0 for no raw value"),
+            std::string::npos)
+      << "the nearest float is not the offset";
+}
+
+// As shipped the pitch has bits 0 to 23 of 0x150, its rate bits 24 to 39, the stop bit 40.
+TEST(TorsoSensor, ChannelsThatShareBitsOfAFrameAreRefused) {
+  const auto stop = [](const std::string& field) {
+    return mistakes("emergency_stop_released = \"id " + field + " unsigned scale 1\"\n");
+  };
+  EXPECT_EQ(stop("0x150 byte 0 bits 16 little"),
+            "robot.toml:2:27: torso_sensor.emergency_stop_released and torso_sensor.pitch share bits of a "
+            "frame; give each the bits that the sensor sends for it");
+  for (const char* shared :
+       {"0x150 byte 2 bit 7 bits 1 little", "0x150 byte 3 bits 1 little", "0x150 byte 4 bit 7 bits 2 little",
+        "0x150 byte 1 bit 7 bits 9 big", "0x150 byte 4 bits 16 big"}) {
+    EXPECT_NE(stop(shared).find("share bits"), std::string::npos) << shared;
+  }
+  for (const char* own : {"0x150 byte 5 bits 1 little", "0x150 byte 5 bits 16 big",
+                          "0x151 byte 0 bits 1 little", "0x150 extended byte 0 bits 1 little"}) {
+    EXPECT_EQ(stop(own), "") << own;
+  }
+  EXPECT_NE(
+      mistakes("pitch_rate = \"id 0x150 byte 2 bits 16 signed little scale 1e-3\"\n").find("share bits"),
+      std::string::npos);
+}
+
+// Longer than the controller extrapolates a pitch, it would stand still before the next one.
+TEST(TorsoSensor, APitchThatComesTooRarelyIsRefused) {
+  EXPECT_EQ(mistakes("rate_hz = 100\n"), "");
+  EXPECT_EQ(
+      mistakes("rate_hz = 99\nemergency_stop_timeout_s = 0.2\n"),
+      "robot.toml:2:11: torso_sensor.rate_hz = 99 must be at least 100: the pitch is extrapolated until "
+      "the next one, for 10 ms at most");
+  EXPECT_NE(mistakes("device = \"canopen_encoder\"\nrate_hz = 99\nrate_window_s = 0.03\n"), "");
+  const Result other = parse(
+      "[hip_driver]\nprotocol = \"moteus\"\nmoteus_kp_Nm_rev = 2000\n[torso_sensor]\nencoder_joint = 0\n"
+      "rate_hz = 50\nemergency_stop_timeout_s = 0.2\n",
+      "robot.toml");
+  EXPECT_TRUE(other) << "the pitch comes with the replies of hip_L";
 }
 
 }  // namespace

@@ -37,6 +37,13 @@ TEST(ConfigureCycles, GaitsOfARobotWithoutThemAreMissedWhereTheReferenceNeedsThe
   EXPECT_EQ(refused.error(),
             "mine.toml: controller.reference is hzd, and no gaits of rabbit are shipped; stilt gait library "
             "makes a folder of them");
+  configuration.controller.reference = configuration::load_robot("rabbit")->controller.reference;
+  configuration.supervisor.select_gait = true;
+  const auto selected = configure();
+  ASSERT_FALSE(selected);
+  EXPECT_TRUE(
+      selected.error().starts_with("mine.toml: supervisor.select_gait is true, and no gaits of rabbit"))
+      << selected.error();
 }
 
 }  // namespace

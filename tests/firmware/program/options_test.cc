@@ -201,7 +201,27 @@ TEST(Options, WalkingIsRefusedBelowTheTorqueThatItNeeds) {
                     .starts_with("--start: stepping and walking need a torque limit of at least 0.6"));
     EXPECT_TRUE(read({"--torque-limit", "0.6", "--start", start}));
     EXPECT_FALSE(read({"--set", "supervisor.torque_limit_share=0.3", "--start", start}));
+    EXPECT_FALSE(read({"--set", "robot.torque_limit_scale=0.5", "--start", start}));
+    EXPECT_TRUE(read({"--set", "robot.torque_limit_scale=0.6", "--start", start}));
   }
+  EXPECT_TRUE(read({"--set", "robot.torque_limit_scale=0.5", "--start", "stand"}));
+}
+
+TEST(Options, ARefusedWalkNamesTheKeyThatIsTooSmall) {
+  const auto ends = [](std::vector<std::string> words, const std::string& end) {
+    words.insert(words.end(), {"--start", "walk@0.3"});
+    return mistake(words).ends_with(", and it is " + end);
+  };
+  const std::string share = "supervisor.torque_limit_share", scale = "robot.torque_limit_scale";
+  EXPECT_TRUE(ends({"--torque-limit", "0.5"}, "0.5; take --start stand, or a larger --torque-limit"));
+  EXPECT_TRUE(ends({"--torque-limit", "1", "--set", share + "=0.4"},
+                   "0.4; take --start stand, or a larger supervisor.torque_limit_share"));
+  EXPECT_TRUE(ends({"--torque-limit", "0.5", "--set", share + "=0.4"},
+                   "0.2; take --start stand, or a larger supervisor.torque_limit_share"));
+  EXPECT_TRUE(ends({"--torque-limit", "0.5", "--set", share + "=0.6"},
+                   "0.3; take --start stand, or a larger --torque-limit"));
+  EXPECT_TRUE(ends({"--torque-limit", "0.7", "--set", scale + "=0.4"},
+                   "0.4; take --start stand, or a larger robot.torque_limit_scale"));
 }
 
 TEST(Options, AWalkBeyondTheSpeedLimitIsRefused) {

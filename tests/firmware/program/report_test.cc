@@ -32,7 +32,48 @@ TEST(Report, ARobotThatCannotStandAsConfiguredIsRefused) {
 TEST(Report, TheRobotIsThatOfTheUrdf) {
   EXPECT_EQ(robot_text(*configuration::load_robot("rabbit")),
             "mass 32 kg, thigh 0.4 m, shin 0.4 m\n"
-            "armature hip_L 0.83, knee_L 0.83, hip_R 0.83, knee_R 0.83 kg m^2\n");
+            "armature hip_L 0.83, knee_L 0.83, hip_R 0.83, knee_R 0.83 kg m^2\n"
+            "hip height 0.735 m, 92 % of the straight leg\n");
+}
+
+// A file that was made for one robot and then given another keeps the stance of the first.
+TEST(Report, AHipHeightThatMayBeOfAnotherRobotIsNamed) {
+  const auto last_line = [](const char* robot, const char* height) {
+    const configuration::Override other[] = {{height}};
+    const std::string text = robot_text(*configuration::load_robot(robot, other));
+    return text.substr(text.find("hip height"));
+  };
+  EXPECT_EQ(last_line("rabbit", "reference.base_height_m=0.79"),
+            "hip height 0.79 m, 99 % of the straight leg: 80 to 97 % are usual; reference.base_height_m may "
+            "be that of another robot\n");
+  EXPECT_NE(last_line("amber3m", "reference.base_height_m=0.69").find("another robot"), std::string::npos);
+  for (const char* height : {"reference.base_height_m=0.7", "reference.base_height_m=0.84"})
+    EXPECT_EQ(last_line("amber3m", height).find("another robot"), std::string::npos) << height;
+}
+
+TEST(Report, DriversWithoutAWatchdogAreRefused) {
+  const auto report_of = [](const std::string& protocol, const std::string& setting) {
+    const configuration::Override changes[] = {{"knee_driver.protocol=" + protocol},
+                                               {"knee_driver.position_range_rad=12.56"},
+                                               {"knee_driver." + setting}};
+    return report_buses(configuration::load_robot("amber3m", changes).value());
+  };
+  for (const char* protocol : {"mit_ak", "mit_mini_cheetah", "ak_v3"}) {
+    const BusReport report = report_of(protocol, "accept_missing_watchdog=false");
+    EXPECT_TRUE(report.refused) << protocol;
+    EXPECT_NE(report.text.find("\nknee_driver.accept_missing_watchdog is false, and must be true: it has no "
+                               "watchdog that can be read\n"),
+              std::string::npos)
+        << report.text;
+    EXPECT_FALSE(report_of(protocol, "accept_missing_watchdog=true").refused) << protocol;
+  }
+  const BusReport odrive = report_of("odrive", "accept_missing_watchdog=false");
+  EXPECT_TRUE(odrive.refused);
+  EXPECT_NE(odrive.text.find("\nknee_driver.odrive_enable_watchdog_endpoint is 0, and must be the id of "),
+            std::string::npos)
+      << odrive.text;
+  EXPECT_FALSE(report_of("odrive", "accept_missing_watchdog=true").refused);
+  EXPECT_FALSE(report_of("mit_damiao", "accept_missing_watchdog=false").refused) << "it has one";
 }
 
 // A sensor at a serial port is on neither bus.

@@ -266,7 +266,8 @@ TEST(Stiltd, WritesItsResultsOverNoFileThatItReads) {
 TEST(Stiltd, SaysWhatAConfigurationWasReadFromAndForWhichRobot) {
   const Answer rabbit = stiltd(
       "--check-config --set hardware.robot=rabbit --set hip_driver.torque_range_Nm=160 "
-      "--set knee_driver.torque_range_Nm=160 --set reference.base_height_m=0.735");
+      "--set hip_driver.reply_torque_range_Nm=160 --set knee_driver.torque_range_Nm=160 "
+      "--set knee_driver.reply_torque_range_Nm=160 --set reference.base_height_m=0.735");
   EXPECT_TRUE(has(rabbit, "the shipped configuration of amber3m, --set hardware.robot=rabbit, "))
       << rabbit.text;
   EXPECT_TRUE(has(rabbit, ": valid\nrobot rabbit\n")) << rabbit.text;

@@ -140,6 +140,19 @@ TEST(Robots, AJointAboutMinusYIsRefused) {
       "lower link backward");
 }
 
+/// Poses of the controller have no knee that bends the other way.
+TEST(Robots, AKneeThatBendsForwardIsRefused) {
+  const auto with_knees = [](const std::string& limits) {
+    return error_of(changed("<limit lower=\"0\" upper=\"2.4\"", "<limit " + limits, true));
+  };
+  for (const char* limits : {"lower=\"-2.4\" upper=\"0\"", "lower=\"-2.4\" upper=\"-0.1\""}) {
+    EXPECT_EQ(with_knees(limits),
+              "robot.urdf: the upper limit of joint 'knee_L' must be above 0: knees bend to positive angles, "
+              "which swing the shin backward");
+  }
+  EXPECT_EQ(with_knees("lower=\"-0.1\" upper=\"2.4\""), "accepted");
+}
+
 TEST(Robots, BentAndTurnedLinksAreRefused) {
   EXPECT_EQ(error_of(changed("<origin xyz=\"0 0 -0.4064\"/>", "<origin xyz=\"0.02 0 -0.4064\"/>")),
             "robot.urdf: joint 'knee_L' stands at x 0.02 m, z -0.4064 m of link 'thigh_L'; links must be "
