@@ -47,6 +47,10 @@ const char* first_of(supervisor::FaultSet faults) noexcept {
 }  // namespace
 
 struct Controller::Parts {
+  explicit Parts(const configuration::Configuration& read)
+      : configuration(read),
+        robot(configuration::base_period_ticks(read.hardware, read.timing.torque_rate_hz)) {}
+
   configuration::Configuration configuration;
   gait::GaitLibrary gaits;
   control_loop::PlannerTask planner;
@@ -66,8 +70,7 @@ Controller::~Controller() = default;
 std::expected<Controller, std::string> Controller::create(const Settings& settings) {
   auto configuration = library::read_settings(settings);
   if (!configuration) return std::unexpected(configuration.error());
-  auto parts = std::make_unique<Parts>();
-  parts->configuration = std::move(*configuration);
+  auto parts = std::make_unique<Parts>(*configuration);
   const std::string source =
       settings.configuration_file.empty() ? parts->configuration.hardware.robot : settings.configuration_file;
   const auto configured =

@@ -5,9 +5,8 @@
 namespace stilt::library {
 namespace {
 
-/// A reading with an age, as a driver's reply: what did not come keeps its values and is counted.
-template <class Reading>
-bool age(Reading& reading, bool came, bool same) noexcept {
+/// A driver's reply with an age: what did not come keeps its values and is counted.
+bool age(hal::JointReading& reading, bool came, bool same) noexcept {
   reading.missed_replies = came ? 0 : reading.missed_replies + 1;
   if (came) reading.unchanged_replies = same ? reading.unchanged_replies + 1 : 0;
   return came;
@@ -39,15 +38,15 @@ void GivenRobot::read(std::int64_t now_ns, hal::RobotReadings& readings) noexcep
     joint.torque_Nm = given.torque_Nm;
     joint.time_ns = now_ns;
   }
-  hal::BaseReading& base = readings.base;
-  const bool same = given_.pitch_rad == base.pitch_rad && given_.pitch_rate_rad_s == base.pitch_rate_rad_s;
-  if (age(base, !std::isnan(given_.pitch_rad), same)) {
-    base.pitch_rad = given_.pitch_rad;
-    base.pitch_rate_rad_s = given_.pitch_rate_rad_s;
-    base.left_foot_force_N = given_.left_foot_force_N;
-    base.right_foot_force_N = given_.right_foot_force_N;
-    base.time_ns = now_ns;
+  torso_.begin_read();
+  if (!std::isnan(given_.pitch_rate_rad_s)) torso_.set_rate(given_.pitch_rate_rad_s);
+  if (!std::isnan(given_.pitch_rad)) {
+    torso_.set_pitch(now_ns, given_.pitch_rad);
+    torso_.reading().left_foot_force_N = given_.left_foot_force_N;
+    torso_.reading().right_foot_force_N = given_.right_foot_force_N;
   }
+  torso_.end_read();
+  readings.base = torso_.reading();
   readings.status = hal::JointBusStatus::ok;
   readings.emergency_stop =
       given_.emergency_stop ? hal::EmergencyStopState::pressed : hal::EmergencyStopState::released;

@@ -3,6 +3,7 @@
 #include <stilt/types.h>
 
 #include "hal/robot/robot.h"
+#include "hal/sensors/torso_measurement.h"
 
 namespace stilt::library {
 
@@ -10,6 +11,10 @@ namespace stilt::library {
 /// tick, what to do is taken after it. Real-time safe.
 class GivenRobot final : public hal::Robot {
  public:
+  /// @param torso_period_ticks  from one reading of the torso to the next, at least 1
+  explicit GivenRobot(int torso_period_ticks) noexcept
+      : torso_({.period_reads = static_cast<std::uint32_t>(torso_period_ticks)}) {}
+
   /// Before a tick.
   void give(const Measurements& measurements) noexcept;
 
@@ -26,6 +31,7 @@ class GivenRobot final : public hal::Robot {
 
  private:
   Measurements given_;
+  hal::TorsoMeasurement torso_;
   DriverAction action_ = DriverAction::none;
   JointTargets targets_{};
 };

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -52,6 +53,7 @@ struct Arguments {
   bool print_config = false;
   std::string joint;
   std::string reference = "stops";
+  std::optional<double> torque_share;  ///< of --torque-limit, before a command or behind it
 };
 
 /// The subcommands of a command line.
@@ -65,14 +67,18 @@ struct Commands {
   CLI::App* identify = nullptr;
 };
 
+std::string shortest(double number) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%g", number);
+  return text;
+}
+
 /// The share of --torque-limit is one of the configured limit.
 void limit_torque(Options& options) {
   options.configuration.supervisor.torque_limit_share *= options.torque_limit_share;
   configuration::keep_torque_limit(options.configuration);
   if (options.torque_limit_share == 1.0) return;
-  char text[40];
-  std::snprintf(text, sizeof text, ", --torque-limit %g", options.torque_limit_share);
-  options.source += text;
+  options.source += ", --torque-limit " + shortest(options.torque_limit_share);
 }
 
 std::expected<void, std::string> check_start(const Options& options) {
@@ -101,6 +107,23 @@ std::expected<void, std::string> check_start(const Options& options) {
                 "(supervisor.walk_torque_share), and it is %g; take --start stand, or a larger %s",
                 supervisor.walk_torque_share, least.torque_limit_share, key);
   return std::unexpected(text);
+}
+
+/// An option before a command must be one of the command. It must not be behind the command again: one of the
+/// two would be dropped.
+std::expected<void, std::string> check_options_before(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    for (const CLI::Option* option : app.get_options()) {
+      if (option->count() == 0) continue;
+      const CLI::Option* own = command->get_option_no_throw(option->get_name());
+      if (own != nullptr && own->count() == 0) continue;
+      return std::unexpected(
+          option->get_name() + ": " +
+          (own == nullptr ? "is no option of " + command->get_name() + "; leave it out"
+                          : "is before " + command->get_name() + " and behind it; give all of it behind"));
+    }
+  }
+  return {};
 }
 
 /// A subcommand that commands the robot instead of the controller.
@@ -162,9 +185,9 @@ Commands add_commands(CLI::App& app, Arguments& arguments, Options& options) {
                                   "quick motions of one joint after the other on the gantry",
                                   arguments, options);
   commands.identify
-      ->add_option("--torque-limit", options.identify_torque_share,
+      ->add_option("--torque-limit", arguments.torque_share,
                    "share of the joints' torque limits that may be used, 0.05 to 1")
-      ->capture_default_str();
+      ->default_str(shortest(options.identify_torque_share));
   add_out(*commands.identify, options);
   commands.self_test =
       add_command(app, "selftest", "commands all drivers at zero torque, reports replies and their times",
@@ -224,10 +247,11 @@ std::string file_of(std::string_view option, std::span<char* const> words) {
   return "";
 }
 
-std::expected<void, std::string> interpret(const Arguments& arguments, const Commands& commands,
-                                           Options& options) {
+std::expected<void, std::string> interpret(const CLI::App& app, const Arguments& arguments,
+                                           const Commands& commands, Options& options) {
   options.task = task_of(commands);
   options.config_file = arguments.configuration.file;
+  if (const auto right = check_options_before(app); !right) return right;
   if (arguments.reference == "marks") options.reference = commissioning::Reference::marks;
   if (options.task == Task::jog) {
     if (const auto right = interpret_jog(arguments, options); !right) return right;
@@ -248,8 +272,9 @@ std::expected<void, std::string> interpret(const Arguments& arguments, const Com
   if (!(options.self_test_s > 0.0 && options.self_test_s <= kLongestRun_s)) {
     return std::unexpected("--seconds: must be above 0 and at most 86400 s");
   }
-  const auto is_share = [](double share) { return share >= kLeastTorqueShare && share <= 1.0; };
-  if (!is_share(options.torque_limit_share) || !is_share(options.identify_torque_share)) {
+  double& share = options.task == Task::identify ? options.identify_torque_share : options.torque_limit_share;
+  share = arguments.torque_share.value_or(share);
+  if (!(share >= kLeastTorqueShare && share <= 1.0)) {
     return std::unexpected("--torque-limit: must be a share of the torque, 0.05 to 1");
   }
   std::expected<ChosenConfiguration, std::string> chosen = read_configuration(arguments.configuration);
@@ -294,7 +319,7 @@ std::expected<void, std::string> read_options(int argc, char** argv, const std::
   app.add_option("--start", arguments.start,
                  "goes there without an operator: stand, step or walk@SPEED (m/s); without it, waits idle");
   app.add_option("--duration", options.duration_s, "sits down and ends after this time, s; 0: never");
-  app.add_option("--torque-limit", options.torque_limit_share,
+  app.add_option("--torque-limit", arguments.torque_share,
                  "share of supervisor.torque_limit_share that may be used, 0.05 to 1, for first days; below "
                  "supervisor.walk_torque_share the robot stands and does not walk");
   app.add_flag("--lockstep", options.lockstep,
@@ -329,7 +354,7 @@ std::expected<void, std::string> read_options(int argc, char** argv, const std::
     options.config_file = file_of("--config", {argv + 1, argv + argc});
     return std::unexpected(usage_text(app, error));
   }
-  return interpret(arguments, commands, options);
+  return interpret(app, arguments, commands, options);
 }
 
 std::string file_conflict(const Options& options) {

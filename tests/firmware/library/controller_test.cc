@@ -19,7 +19,8 @@ namespace {
 /// A controller and its simulated robot, tick by tick.
 class Loop {
  public:
-  Loop() : controller(*Controller::create({})), robot(*SimulatedRobot::create({})) {}
+  explicit Loop(const Settings& settings = {})
+      : controller(*Controller::create(settings)), robot(*SimulatedRobot::create({})) {}
 
   void begin_standing() { controller.begin_standing(controller.tick_period_ns(), robot.read()); }
 
@@ -163,6 +164,39 @@ TEST(OwnLoop, ATorsoThatIsNotMeasuredIsAFault) {
   loop.run(0.5);
   const Tick& silent =
       loop.run(0.1, [](Measurements& measurements) { measurements.pitch_rad = kNotMeasured; });
+  EXPECT_STRNE(silent.fault, "");
+}
+
+/// Walks with a reading of the torso in one tick of `period_ticks`.
+/// @return  the first fault; "" after `seconds` without one
+std::string fault_with_torso_every(int period_ticks, const Settings& settings, double seconds = 3.0) {
+  Loop loop(settings);
+  loop.begin_standing();
+  loop.controller.request(Motion::walk, 0.3);
+  const auto leave_gaps = [&loop, period_ticks](Measurements& measurements) {
+    if (loop.ticks % period_ticks != 0) measurements.pitch_rad = measurements.pitch_rate_rad_s = kNotMeasured;
+  };
+  for (double time_s = 0; time_s < seconds; time_s += 1e-3) {
+    const Tick& tick = loop.run(1e-3, leave_gaps);
+    if (*tick.fault != '\0') return tick.fault;
+  }
+  EXPECT_STREQ(loop.run(1e-3, leave_gaps).state, "walk");
+  return "";
+}
+
+TEST(OwnLoop, ATorsoSlowerThanTheTicksIsMissedOnceItsReadingIsDue) {
+  EXPECT_EQ(fault_with_torso_every(4, {.settings = {"torso_sensor.rate_hz=250"}}), "");
+  EXPECT_EQ(fault_with_torso_every(5, {.settings = {"torso_sensor.rate_hz=200"}}), "");
+  EXPECT_EQ(fault_with_torso_every(5, {.settings = {"torso_sensor.rate_hz=1000"}}), "missed_replies");
+  EXPECT_EQ(fault_with_torso_every(8, {.settings = {"torso_sensor.rate_hz=200"}}), "missed_replies");
+}
+
+TEST(OwnLoop, APitchRateThatIsNotMeasuredIsAFault) {
+  Loop loop;
+  loop.begin_standing();
+  loop.run(0.5);
+  const Tick& silent =
+      loop.run(0.1, [](Measurements& measurements) { measurements.pitch_rate_rad_s = kNotMeasured; });
   EXPECT_STRNE(silent.fault, "");
 }
 

@@ -118,7 +118,33 @@ TEST(Options, ASecondCommandIsRefused) {
                 .find("selftest: identify is a second command"),
             std::string::npos);
   EXPECT_NE(mistake({"scan", "scan"}).find("scan is a second command"), std::string::npos);
-  EXPECT_EQ(read({"--lockstep", "scan"})->task, Task::scan) << "options before the command";
+}
+
+TEST(Options, AnOptionBeforeACommandCountsOrIsRefused) {
+  const auto scan =
+      read({"--lockstep", "--robot", "rabbit", "--set", "cost.terminal=3", "--json", "-", "scan"});
+  ASSERT_TRUE(scan) << scan.error();
+  EXPECT_EQ(scan->task, Task::scan);
+  EXPECT_TRUE(scan->lockstep);
+  EXPECT_EQ(scan->configuration.hardware.robot, "rabbit");
+  EXPECT_EQ(scan->configuration.cost.terminal, 3.0);
+  EXPECT_EQ(scan->json_file, "-");
+  EXPECT_EQ(read({"--duration", "3", "watch"})->duration_s, 3.0);
+  const auto identify = read({"--torque-limit", "0.2", "identify"});
+  ASSERT_TRUE(identify) << identify.error();
+  EXPECT_EQ(identify->identify_torque_share, 0.2);
+  EXPECT_EQ(identify->torque_limit_share, 1.0);
+  EXPECT_EQ(mistake({"--black-box", "bb.csv", "--duration", "1", "watch"}),
+            "--black-box: is no option of watch; leave it out");
+  EXPECT_EQ(mistake({"--check-config", "scan"}), "--check-config: is no option of scan; leave it out");
+  EXPECT_EQ(mistake({"--print-config", "jog", "hip_L", "0.3"}),
+            "--print-config: is no option of jog; leave it out");
+  for (const char* command : {"scan", "calibrate", "selftest"}) {
+    EXPECT_TRUE(mistake({"--start", "stand", command}).starts_with("--start: is no option of ")) << command;
+    EXPECT_TRUE(mistake({"--torque-limit", "0.5", command}).starts_with("--torque-limit: ")) << command;
+  }
+  EXPECT_EQ(mistake({"--set", "cost.terminal=3", "scan", "--set", "cost.base_x=1"}),
+            "--set: is before scan and behind it; give all of it behind");
 }
 
 TEST(Options, MistakesOfTheConfigurationAreAllReported) {
@@ -141,6 +167,12 @@ TEST(Options, APresetChangesTheConfigurationBeforeTheGaitsAndWhatTheUserSets) {
   EXPECT_NEAR(around_gaits->configuration.gait.single_support_s, 0.3, 1e-6)
       << "step time of the shipped gaits";
   EXPECT_EQ(around_gaits->configuration.cost.terminal, 10.0);
+}
+
+TEST(Options, PlansAroundGaitsOfARobotWithoutShippedOnesAreRefused) {
+  EXPECT_EQ(mistake({"--robot", "rabbit", "--set", "controller.reference=hzd"}),
+            "controller.reference is hzd: no gaits of rabbit are shipped; plans follow shipped gaits alone "
+            "here, so set controller.reference = \"heuristic\"");
 }
 
 TEST(Options, AnAutomaticInstructionSetBecomesTheOneInUse) {

@@ -129,67 +129,93 @@ class Ros2(unittest.TestCase):
         self.assertGreater(len(checked), 8)
 
 
+class StandIn:
+    """A class of ROS 2's launch."""
+
+    def __init__(self, *values: object, **named: object) -> None:
+        self.values, self.named = values, named
+
+    def perform(self, context: dict[str, str]) -> str:
+        return context[self.values[0]]
+
+
 class Launch(unittest.TestCase):
     """The launch file with stand-ins for ROS 2's launch, which Debian does not have."""
 
     @classmethod
     def setUpClass(cls) -> None:
-        stand_ins = {'': ('LaunchDescription',), '.actions': ('DeclareLaunchArgument', 'ExecuteProcess'),
-                     '.conditions': ('IfCondition', 'UnlessCondition'),
+        stand_ins = {'': ('LaunchContext', 'LaunchDescription'), '.event_handlers': ('OnProcessIO',),
+                     '.actions': ('DeclareLaunchArgument', 'ExecuteProcess', 'OpaqueFunction', 'RegisterEventHandler'),
                      '.substitutions': ('EnvironmentVariable', 'LaunchConfiguration')}
         for module, names in stand_ins.items():
             made = types.ModuleType(f'launch{module}')
             for name in names:
-                setattr(made, name, lambda *values, _name=name, **named: (_name, values, named))
+                setattr(made, name, type(name, (StandIn,), {}))
             sys.modules[f'launch{module}'] = made
+        cls.launch = sys.modules['launch.actions']
         scope: dict = {}
         exec((PACKAGE / 'launch/stilt.launch.py').read_text(), scope)
-        cls.actions = scope['generate_launch_description']()[1][0]
+        cls.actions = scope['generate_launch_description']().values[0]
 
-    def commands(self, **values: str) -> list[list[str]]:
-        """The commands that run with these arguments."""
-        def said(word) -> str:
-            if isinstance(word, str):
-                return word
-            if isinstance(word, list):
-                return ''.join(map(said, word))
-            return values[word[1][0]]
+    def setUp(self) -> None:
+        self.programs = Programs(*PROGRAMS[:2])
+        self.addCleanup(self.programs.end)
 
-        defaults = {one[1][0]: one[2]['default_value'] for one in self.actions if one[0] == 'DeclareLaunchArgument'}
-        self.assertEqual(defaults.pop('domain')[2], {'default_value': '0'})
-        values = {**defaults, **values}
-        wanted = {'IfCondition': 'true', 'UnlessCondition': 'false'}
-        commands = []
-        for name, _, named in self.actions:
-            if name != 'ExecuteProcess':
-                continue
+    def launched(self, **given: str) -> list[StandIn]:
+        """The actions with these arguments."""
+        defaults = {one.values[0]: one.named['default_value'] for one in self.actions
+                    if isinstance(one, self.launch.DeclareLaunchArgument)}
+        domain = defaults['domain']
+        self.assertEqual((domain.values, domain.named), (('ROS_DOMAIN_ID',), {'default_value': ''}))
+        [function] = [one.named['function'] for one in self.actions if isinstance(one, self.launch.OpaqueFunction)]
+        return function({**defaults, 'domain': '', **given})
+
+    def commands(self, actions: list[StandIn]) -> list[list[str]]:
+        processes = [one.named for one in actions if isinstance(one, self.launch.ExecuteProcess)]
+        for named in processes:
             self.assertGreaterEqual(float(named['sigterm_timeout']), 20.0)
-            condition = named.get('condition')
-            if condition is None or said(condition[1][0]) == wanted[condition[0]]:
-                commands.append([said(word) for word in named['cmd']])
-        return commands
+        return [[word.replace('ros2_', f'ros2_{os.getpid()}_') for word in named['cmd']] for named in processes]
 
-    def test_it_starts_robot_stiltd_and_monitor(self):
-        programs = Programs(*PROGRAMS[:2])
-        self.addCleanup(programs.end)
-        os.environ['XDG_RUNTIME_DIR'] = str(programs.folder)
+    def test_it_starts_stiltd_when_the_simulated_robot_is_ready(self):
+        os.environ['XDG_RUNTIME_DIR'] = str(self.programs.folder)
         self.addCleanup(os.environ.pop, 'XDG_RUNTIME_DIR')
-        robot, stiltd, monitor = self.commands(domain=programs.domain, simulated='true')
-        own = [word.replace('ros2_', f'ros2_{os.getpid()}_') for word in robot], \
-              [word.replace('ros2_', f'ros2_{os.getpid()}_') for word in stiltd]
-        programs.start('robot', *own[0])
-        programs.wait_for('robot', 'ready')
-        programs.start('controller', *own[1])
-        programs.start('monitor', *monitor, '--port', '0')
-        programs.wait_for('controller', ' idle\n')
-        with stilt.Robot(programs.wait_for('monitor', r'monitor: (http\S+#key=\w+)\n')[1], patience_s=60) as robot:
-            robot.wait_for('idle', PATIENCE_S)
+        actions = self.launched(domain=self.programs.domain, simulated='true')
+        robot, monitor = self.commands(actions)
+        self.programs.start('robot', 'sh', '-c', 'exec "$0" "$@" 2>errors', PROGRAMS[0], *robot[1:])
+        self.programs.start('monitor', *monitor, '--port', '0')
+        [handler] = [one.values[0].named for one in actions if isinstance(one, self.launch.RegisterEventHandler)]
+        self.assertEqual(self.commands([handler['target_action']]), [robot])
+        self.assertIsNone(handler['on_stderr'](types.SimpleNamespace(text=b'something else\n')))
+        ready = self.programs.wait_for('errors', '.*ready.*\n')[0]
+        [stiltd] = self.commands(handler['on_stderr'](types.SimpleNamespace(text=ready.encode())))
+        self.programs.start('controller', *stiltd)
+        self.programs.wait_for('controller', ' idle\n')
+        with stilt.Robot(self.programs.wait_for('monitor', r'monitor: (http\S+#key=\w+)\n')[1], patience_s=60) as one:
+            one.wait_for('idle', PATIENCE_S)
 
-    def test_a_real_robot_takes_its_configuration(self):
-        stiltd, monitor = self.commands(domain='7', config=str(TREE / 'firmware/configuration/amber3m.toml'))
-        self.assertEqual((stiltd[0], monitor[:2]), ('stiltd', ['stilt', 'monitor']))
-        done = subprocess.run([PROGRAMS[1], *stiltd[1:], '--check-config'], capture_output=True, text=True, check=True)
-        self.assertIn('telemetry.domain=7, --set telemetry.interface=lo: valid', done.stdout)
+    def printed(self, stiltd: list[str]) -> str:
+        """The configuration that it runs with."""
+        return subprocess.run([PROGRAMS[1], *stiltd[1:], '--print-config'], capture_output=True, text=True,
+                              check=True).stdout
+
+    def test_a_real_robot_keeps_its_configuration(self):
+        config = self.programs.folder / 'robot.toml'
+        config.write_text('[telemetry]\ninterface = "eth7"\ndomain = 9\n')
+        stiltd, monitor = self.commands(self.launched(config=str(config)))
+        self.assertEqual(stiltd[0], 'stiltd')
+        self.assertEqual(monitor, ['stilt', 'monitor', '--no-browser'])
+        for line in ('\ninterface = "eth7"\n', '\ndomain = 9\n'):
+            self.assertIn(line, self.printed(stiltd))
+
+    def test_what_is_given_goes_to_stiltd_and_monitor(self):
+        config = str(TREE / 'firmware/configuration/amber3m.toml')
+        stiltd, monitor = self.commands(self.launched(config=config, domain='7', interface='eth0', peers='10.0.0.2',
+                                                      security_folder='/etc/stilt/security'))
+        for line in ('domain = 7', 'interface = "eth0"', 'peers = "10.0.0.2"',
+                     'security_folder = "/etc/stilt/security"'):
+            self.assertIn(f'\n{line}\n', self.printed(stiltd))
+        self.assertEqual(monitor[3:], ['--domain', '7', '--interface', 'eth0', '--peers', '10.0.0.2',
+                                       '--security-folder', '/etc/stilt/security'])
 
 
 if __name__ == '__main__':

@@ -5,34 +5,46 @@
 
 At Ctrl-C the robot steps, stands and sits down before stiltd ends, so that launch waits for it longer than usual.
 """
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, ExecuteProcess
-from launch.conditions import IfCondition, UnlessCondition
+from launch import LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, RegisterEventHandler
+from launch.event_handlers import OnProcessIO
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 
 END_S = '30'  # until stiltd has sat the robot down
+BUSES = ['--bus', 'loopback:ros2_left', '--bus', 'loopback:ros2_right']
+READY = b'ready for a controller'  # of the simulated robot, on its standard error
+# Keys of telemetry in the configuration, and options of stilt.
+NETWORK = {'domain': 'DDS domain', 'interface': 'network interface; lo: this computer alone',
+           'peers': 'addresses of other computers, with commas between',
+           'security_folder': 'folder of DDS Security documents'}
+
+
+def program(*words: str) -> ExecuteProcess:
+    return ExecuteProcess(cmd=list(words), output='screen', sigterm_timeout=END_S, sigkill_timeout=END_S)
+
+
+def programs(context: LaunchContext) -> list:
+    """What runs with these arguments. One that is not given leaves the configuration of stiltd as it is."""
+    values = {name: LaunchConfiguration(name).perform(context) for name in ('simulated', 'config', *NETWORK)}
+    given = {name: values[name] for name in NETWORK if values[name]}
+    settings = [word for name, value in given.items() for word in ('--set', f'telemetry.{name}={value}')]
+    network = [word for name, value in given.items() for word in (f'--{name.replace("_", "-")}', value)]
+    monitor = program('stilt', 'monitor', '--no-browser', *network)
+    if values['simulated'].lower() not in ('true', '1'):
+        return [program('stiltd', '--config', values['config'], *settings), monitor]
+    robot = program('stilt', 'robot', *BUSES, '--publish', *network)
+    stiltd = program('stiltd', *BUSES, *settings)
+    is_ready = OnProcessIO(target_action=robot, on_stderr=lambda event: [stiltd] if READY in event.text else None)
+    return [RegisterEventHandler(is_ready), robot, monitor]
 
 
 def generate_launch_description() -> LaunchDescription:
     """What ros2 launch runs."""
-    domain, interface = LaunchConfiguration('domain'), LaunchConfiguration('interface')
-    simulated = LaunchConfiguration('simulated')
-    telemetry = ['--set', ['telemetry.domain=', domain], '--set', ['telemetry.interface=', interface]]
-    network = ['--domain', domain, '--interface', interface]
-    buses = ['--bus', 'loopback:ros2_left', '--bus', 'loopback:ros2_right']
-
-    def program(words: list, **condition: object) -> ExecuteProcess:
-        return ExecuteProcess(cmd=words, output='screen', sigterm_timeout=END_S, sigkill_timeout=END_S, **condition)
-
+    defaults = {'domain': EnvironmentVariable('ROS_DOMAIN_ID', default_value='')}
     return LaunchDescription([
-        DeclareLaunchArgument('domain', default_value=EnvironmentVariable('ROS_DOMAIN_ID', default_value='0'),
-                              description='DDS domain'),
-        DeclareLaunchArgument('interface', default_value='lo', description='network interface; lo: this computer alone'),
+        *(DeclareLaunchArgument(name, default_value=defaults.get(name, ''), description=description)
+          for name, description in NETWORK.items()),
         DeclareLaunchArgument('config', default_value='/etc/stilt/stiltd.toml', description='configuration of stiltd'),
         DeclareLaunchArgument('simulated', default_value='false', description='true: a simulated robot'),
-        program(['stilt', 'robot', *buses, '--publish', *network], condition=IfCondition(simulated)),
-        program(['stiltd', *buses, *telemetry], condition=IfCondition(simulated)),
-        program(['stiltd', '--config', LaunchConfiguration('config'), *telemetry],
-                condition=UnlessCondition(simulated)),
-        program(['stilt', 'monitor', '--no-browser', *network]),
+        OpaqueFunction(function=programs),
     ])
