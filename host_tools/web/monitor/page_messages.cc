@@ -48,16 +48,12 @@ Json names_up_to(Enumeration last) {
   return names;
 }
 
-/// Commands that the page does not send in that state, each with the reason: those that the robot refuses. A
-/// watch takes a height, which means nothing there.
+/// Commands that the robot refuses in that state, and the page does not send, each with the reason.
 Json refused_json(supervisor::State state) {
   Json refused = Json::object();
   for (const CommandKind kind : {CommandKind::stand, CommandKind::step, CommandKind::walk, CommandKind::sit,
                                  CommandKind::reset, CommandKind::height, CommandKind::tunable}) {
-    std::string reason = telemetry::wrong_state(kind, state);
-    if (reason.empty() && state == supervisor::State::watch) {
-      reason = "the robot is in state watch, where Motors off is the only order";
-    }
+    const std::string reason = telemetry::wrong_state(kind, state);
     if (!reason.empty()) refused[telemetry::name(kind)] = reason;
   }
   return refused;
