@@ -86,7 +86,7 @@ void operate(ControllerState& state) {
   const control_loop::TickRecord& tick = state.newest_tick;
   const double time_s = 1e-9 * static_cast<double>(tick.time_ns - state.start_ns);
   control_loop::OperatorCommand& command = state.mail.commands.writer();
-  command = state.script->command(time_s, tick.state, tick.ramp);
+  command = state.mail.stops.merged_into(state.script->command(time_s, tick.state, tick.ramp));
   if (state.telemetry_node != nullptr) command = state.telemetry_node->operate(command);
   if (!command.heartbeat_expected) {
     command.heartbeat_expected = true;

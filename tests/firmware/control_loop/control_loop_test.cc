@@ -56,26 +56,6 @@ TEST_F(ControlLoopTest, NothingIsSentBeforeSomebodyAsks) {
   EXPECT_EQ(rig->joints.steps, 0);
 }
 
-/// Housekeeping may wait for a terminal or a disk for ever.
-TEST_F(ControlLoopTest, ASignalShutsDownWithoutHousekeepingAndIsInTheRecord) {
-  rig->stand();
-  rig->mail.stops.shut_down = true;
-  rig->run(1);
-  EXPECT_TRUE(rig->record.command.shut_down);
-  EXPECT_EQ(rig->record.command.request.number, rig->command.request.number);
-  rig->run(6000);
-  EXPECT_EQ(rig->state(), State::off);
-}
-
-TEST_F(ControlLoopTest, ASignalCutsWithoutHousekeepingAndIsInTheRecord) {
-  rig->stand();
-  rig->mail.stops.cut = true;
-  rig->run(1);
-  EXPECT_EQ(rig->record.command.request.kind, RequestKind::cut);
-  EXPECT_EQ(rig->state(), State::off);
-  EXPECT_EQ(rig->record.action, supervisor::Action::disable);
-}
-
 TEST_F(ControlLoopTest, DriversThatCameUpAreDampedAndNoMore) {
   rig->run(3);
   rig->ask(RequestKind::calibrate);
