@@ -61,8 +61,7 @@ std::expected<void, std::string> load_shipped_library(std::string_view robot, ga
     records.push_back({std::string(shipped.path), std::move(*record)});
   }
   if (records.empty()) {
-    return std::unexpected("no gaits of " + std::string(robot) +
-                           " are shipped; stilt gait library makes a folder of them");
+    return std::unexpected("no gaits of " + std::string(robot) + " are shipped");
   }
   return fill(records, robot, library);
 }

@@ -36,8 +36,7 @@ TEST_F(LoadLibrary, HasTheShippedGaitsOfAmberFromTheSlowestOn) {
 }
 
 TEST_F(LoadLibrary, SaysThatARobotHasNoGaits) {
-  EXPECT_EQ(load_shipped_library("nonsense", *library_).error(),
-            "no gaits of nonsense are shipped; stilt gait library makes a folder of them");
+  EXPECT_EQ(load_shipped_library("nonsense", *library_).error(), "no gaits of nonsense are shipped");
 }
 
 TEST_F(LoadLibrary, SortsTheFilesOfAFolderBySpeed) {
