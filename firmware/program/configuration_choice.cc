@@ -9,6 +9,7 @@
 #include "firmware/configuration/edit.h"
 #include "firmware/configuration/gaits/gait_overrides.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "firmware/program/configure_controller.h"
 #include "firmware/robots/robots.h"
 
 namespace stilt::program {
@@ -28,7 +29,7 @@ std::expected<std::vector<configuration::Override>, std::string> with_gaits(
     const std::string& robot, const std::vector<configuration::Override>& overrides) {
   const auto library = std::make_unique<gait::GaitLibrary>();
   if (const auto loaded = gait_files::load_shipped_library(robot, *library); !loaded) {
-    return std::unexpected("controller.reference is hzd: " + loaded.error());
+    return std::unexpected("controller.reference is hzd: " + loaded.error() + std::string(kOnlyShippedGaits));
   }
   auto all = gait_files::gait_overrides(*library, "controller.reference");
   all.insert(all.end(), overrides.begin(), overrides.end());

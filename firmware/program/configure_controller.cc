@@ -38,7 +38,8 @@ std::expected<void, std::string> follow_gaits(const model::RobotModel& robot,
   const bool planned = configuration.controller.reference == configuration::ReferenceKind::hzd;
   const auto loaded = gait_files::load_shipped_library(configuration.hardware.robot, gaits);
   if (!loaded && planned)
-    return std::unexpected(source + ": controller.reference is hzd, and " + loaded.error());
+    return std::unexpected(source + ": controller.reference is hzd, and " + loaded.error() +
+                           std::string(kOnlyShippedGaits));
   if (!loaded && configuration.supervisor.select_gait)
     return std::unexpected(source + ": supervisor.select_gait is true, and " + loaded.error());
   if (!loaded) return {};

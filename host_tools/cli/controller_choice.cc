@@ -204,10 +204,13 @@ std::shared_ptr<const gait::GaitLibrary> gait_library(const ControllerChoice& ch
     throw UsageError("--gaits " + choice.gait_folder + ": only --controller mpc-hzd and hzd-pd follow gaits");
   }
   auto library = std::make_shared<gait::GaitLibrary>();
-  const auto loaded = choice.gait_folder.empty()
-                          ? gait_files::load_shipped_library(choice.robot, *library)
-                          : gait_files::load_library(choice.gait_folder, choice.robot, *library);
-  if (!loaded) throw UsageError("--controller " + choice.controller + ": " + loaded.error());
+  const bool shipped = choice.gait_folder.empty();
+  const auto loaded = shipped ? gait_files::load_shipped_library(choice.robot, *library)
+                              : gait_files::load_library(choice.gait_folder, choice.robot, *library);
+  if (!loaded) {
+    throw UsageError("--controller " + choice.controller + ": " + loaded.error() +
+                     (shipped ? "; stilt gait library makes a folder of them" : ""));
+  }
   return library;
 }
 

@@ -8,6 +8,7 @@
 #include <functional>
 #include <iostream>
 
+#include "firmware/configuration/configuration.h"
 #include "firmware/configuration/gaits/gait_file.h"
 #include "host_tools/cli/controller_choice.h"
 #include "host_tools/cli/gait_json.h"
@@ -145,12 +146,18 @@ GaitRecord load_complete(const std::string& file, const model::RobotModel** robo
   return record;
 }
 
+/// Of --out.
+void write_gait(GaitRecord record, const std::string& file) {
+  record.robot = configuration::robot_in_file(file, record.robot);
+  write_output_file("--out", file, gait_files::to_toml(record));
+}
+
 int synthesize(const GaitOptions& options) {
   const model::RobotModel& robot = robot_model(options.robot);
   const StepTask task = task_of(options);
   const GaitRecord record = gait_synthesis::make_record(robot, task, gait_synthesis::synthesize(robot, task));
   return report(record, gait_synthesis::check_gait(robot, record), options,
-                [&] { write_output_file("--out", options.out, gait_files::to_toml(record)); });
+                [&] { write_gait(record, options.out); });
 }
 
 int check(const GaitOptions& options) {
@@ -164,8 +171,7 @@ int complete(const GaitOptions& options) {
   GaitRecord record = load_complete(options.file, &robot);
   const GaitCheck result = gait_synthesis::check_gait(*robot, record);
   record.claims = result.metrics;
-  return report(record, result, options,
-                [&] { write_output_file("--out", options.out, gait_files::to_toml(record)); });
+  return report(record, result, options, [&] { write_gait(record, options.out); });
 }
 
 std::string file_name(const std::string& robot, double speed_m_s) {
@@ -182,7 +188,7 @@ int add_gait(const model::RobotModel& robot, const GaitOptions& options, nlohman
     rows.push_back(to_json(record, result));
     if (options.json_file != "-") print(record, result);
     const auto file = std::filesystem::path(options.out) / file_name(record.robot, options.speed_m_s);
-    write_output_file("--out", file.string(), gait_files::to_toml(record));
+    write_gait(record, file.string());
     return result.valid() ? 0 : 1;
   } catch (const gait_synthesis::NoGait& none) {
     std::cerr << "stilt: " << none.what() << '\n';

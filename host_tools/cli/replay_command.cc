@@ -99,11 +99,14 @@ CLI::App* add_replay_command(CLI::App& program, ReplayOptions& options) {
       "replay", "run a record through the controller again and compare plans and torques bit for bit");
   command->add_option("FILE", options.file, "record of stilt record")->required();
   command->add_option("--json", options.json_file, "writes the result as JSON; - is standard output");
-  command->add_flag("--monitor", options.monitor, "shows it in the monitor's page instead, until Ctrl-C");
+  CLI::Option* monitor =
+      command->add_flag("--monitor", options.monitor, "shows it in the monitor's page instead, until Ctrl-C");
   command->add_option("--port", options.port, "port of the page; 0: any free one")
       ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
-  command->add_flag("--no-browser", options.no_browser, "only prints the address of the page");
+      ->capture_default_str()
+      ->needs(monitor);
+  command->add_flag("--no-browser", options.no_browser, "only prints the address of the page")
+      ->needs(monitor);
   command->footer(
       "Exit status: 0 all is the same, 1 something differs or is missing, or the file was cut off, 2 bad "
       "usage.");

@@ -9,12 +9,14 @@
 #include <fstream>
 #include <sstream>
 
+#include "firmware/configuration/configuration.h"
 #include "host_tools/cli/controller_choice.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/robot_drawing.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/recording/run/record_run.h"
 #include "host_tools/recording/run/text_run.h"
+#include "host_tools/simulation/plant/number.h"
 #include "host_tools/web/report/comparison_page.h"
 #include "host_tools/web/report/report.h"
 #include "host_tools/web/report/run_data.h"
@@ -57,12 +59,16 @@ Input read_page(const std::string& file) {
   return input;
 }
 
+bool is_samples(const std::string& start) { return start.starts_with("{"); }
+bool is_ticks(const std::string& start) { return start.starts_with("tick,"); }
+
 /// The run of a record, or of a file of text, which does not name its robot.
 record::RecordRun read_run(const std::string& file, const std::string& start, const std::string& robot) {
   if (start.starts_with("\x89MCAP")) return record::run_of_record(file);
-  const model::RobotConstants& constants = robot_model(robot).constants;
-  if (start.starts_with("{")) return record::run_of_samples(file, constants);
-  if (start.starts_with("tick,")) return record::run_of_ticks(file, constants);
+  const model::RobotConstants& constants =
+      robot_model(robot.empty() ? std::string(configuration::kDefaultRobot) : robot).constants;
+  if (is_samples(start)) return record::run_of_samples(file, constants);
+  if (is_ticks(start)) return record::run_of_ticks(file, constants);
   throw UsageError(
       file +
       ": is no file of a run; name a record of stilt record, samples of --log, a black box of stiltd "
@@ -92,6 +98,25 @@ report::ComparedRun compared(const std::string& file, const Input& input) {
   return {file, input.page.empty() ? report::run_data_json(input.run) : input.page};
 }
 
+/// Refuses options that would change nothing.
+void check_use(const ReportOptions& options) {
+  if (options.shift_s && !std::isfinite(*options.shift_s)) {
+    throw UsageError("--shift: must be a number of seconds");
+  }
+  if (options.shift_s && options.files.size() == 1) {
+    throw UsageError("--shift " + simulation::number_text(*options.shift_s) + ": needs a second file");
+  }
+  const auto needs_robot = [](const std::string& file) {
+    const std::string start = start_of(file);
+    return is_samples(start) || is_ticks(start);
+  };
+  if (!options.robot.empty() && std::ranges::none_of(options.files, needs_robot)) {
+    throw UsageError("--robot " + options.robot +
+                     ": needs samples or a black box; a record and a report name "
+                     "their robot");
+  }
+}
+
 /// Beside the first file, with the names of both.
 std::string default_out(const std::vector<std::string>& files) {
   const fs::path first = files.front();
@@ -118,9 +143,9 @@ CLI::App* add_report_command(CLI::App& program, ReportOptions& options) {
   command
       ->add_option("--robot", options.robot,
                    "the robot of samples and of a black box, which do not name it: " + robot_help())
-      ->capture_default_str();
+      ->default_str(std::string(configuration::kDefaultRobot));
   command->add_option("--shift", options.shift_s, "added to the times of the second file, s")
-      ->capture_default_str();
+      ->default_str("0");
   command->footer(
       "Exit status: 0 done, 1 a file was cut off or is damaged (the readable part is shown), 2 bad usage.");
   return command;
@@ -129,7 +154,7 @@ CLI::App* add_report_command(CLI::App& program, ReportOptions& options) {
 int run_report(const ReportOptions& options) {
   const std::string out = options.out.empty() ? default_out(options.files) : options.out;
   check_output_files({{"--out", out}}, options.files);
-  if (!std::isfinite(options.shift_s)) throw UsageError("--shift: must be a number of seconds");
+  check_use(options);
   const Input first = read(options.files[0], options.robot);
   if (options.files.size() == 1) {
     if (!first.page.empty()) {
@@ -143,7 +168,7 @@ int run_report(const ReportOptions& options) {
   write_output_file(
       "--out", out,
       report::render_comparison({compared(options.files[0], first), compared(options.files[1], second)},
-                                options.shift_s));
+                                options.shift_s.value_or(0.0)));
   return first.complete && second.complete ? 0 : 1;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,9 +10,9 @@ namespace stilt::cli {
 /// Options of `stilt report`.
 struct ReportOptions {
   std::vector<std::string> files;
-  std::string out;  ///< empty: beside the first file
-  std::string robot = "amber3m";
-  double shift_s = 0.0;
+  std::string out;    ///< empty: beside the first file
+  std::string robot;  ///< empty: amber3m, where a file does not name its robot
+  std::optional<double> shift_s;
 };
 
 /// Adds `report` to the program; stores its options in `options`.

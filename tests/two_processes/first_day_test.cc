@@ -262,6 +262,8 @@ TEST(FirstDayPage, TheKernelAllowsTheJumpsOfCanFdAtEachClock) {
 
 TEST_F(FirstDay, LeadsFromUnknownWiringToWalking) {
   ASSERT_NE(text_of(FIRST_DAY).find("`stiltd --print-config > robot.toml`"), std::string::npos);
+  ASSERT_NE(text_of(FIRST_DAY).find("`stiltd --print-config --robot mine.urdf > robot.toml`"),
+            std::string::npos);
   run_.start_command({"--print-config"}, {});
   expect_status(0);
   std::ofstream(toml_) << printed();

@@ -4,6 +4,7 @@
 
 #include "firmware/configuration/gaits/gait_file.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "firmware/robots/robots.h"
 
 namespace stilt::gait_files {
 namespace {
@@ -30,6 +31,13 @@ const char* reason(gait::LibraryStatus status) {
   return "";
 }
 
+/// A URDF file may be named in several ways.
+bool same_robot(const std::string& one, std::string_view other) {
+  std::error_code error;
+  return one == other ||
+         (robots::is_file(one) && robots::is_file(other) && std::filesystem::equivalent(one, other, error));
+}
+
 std::expected<void, std::string> fill(std::vector<NamedRecord>& records, std::string_view robot,
                                       gait::GaitLibrary& library) {
   library.clear();
@@ -38,7 +46,7 @@ std::expected<void, std::string> fill(std::vector<NamedRecord>& records, std::st
   });
   for (const NamedRecord& named : records) {
     std::string wrong;
-    if (named.record.robot != robot) {
+    if (!same_robot(named.record.robot, robot)) {
       wrong = "this is a gait of " + named.record.robot + "; one of " + std::string(robot) + " is needed";
     } else {
       wrong = reason(library.add(named.record.gait));
@@ -61,8 +69,7 @@ std::expected<void, std::string> load_shipped_library(std::string_view robot, ga
     records.push_back({std::string(shipped.path), std::move(*record)});
   }
   if (records.empty()) {
-    return std::unexpected("no gaits of " + std::string(robot) +
-                           " are shipped; stilt gait library makes a folder of them");
+    return std::unexpected("no gaits of " + std::string(robot) + " are shipped");
   }
   return fill(records, robot, library);
 }

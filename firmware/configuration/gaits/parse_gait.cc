@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <initializer_list>
 #include <span>
 #include <stdexcept>
@@ -61,12 +62,14 @@ class Table {
     throw Wrong(place(key) + " must be " + (all.empty() ? "a text" : all));
   }
 
-  [[nodiscard]] std::string robot(const char* key) const {
+  /// @param folder  of the file, from which a relative URDF is found
+  [[nodiscard]] std::string robot(const char* key, const std::filesystem::path& folder) const {
     const toml::node* node = table_.get(key);
     const auto value = node != nullptr ? node->value_exact<std::string>() : std::nullopt;
     if (!value) throw Wrong(place(key) + " must be the name of a robot or a URDF file");
-    if (const auto found = robots::find(*value); !found) throw Wrong(place(key) + ": " + found.error());
-    return *value;
+    const std::string robot = robots::is_file(*value) ? (folder / *value).string() : *value;
+    if (const auto found = robots::find(robot); !found) throw Wrong(place(key) + ": " + found.error());
+    return robot;
   }
 
   void numbers(const char* key, std::span<double> values) const {
@@ -172,14 +175,14 @@ gait::GaitMotion read_motion(const Table& states, const Table& inputs) {
   return motion;
 }
 
-GaitRecord read(const Table& file) {
+GaitRecord read(const Table& file, const std::filesystem::path& folder) {
   if (!file.has("format"))
     throw Wrong("is no gait file: format = 1 is missing; stilt gait synthesize writes one");
   GaitRecord record;
   (void)file.integer("format", 1, 1);
   file.know({"format", "robot", "speed_m_s", "step_time_s", "step_length_m", "origin", "limits", "claims",
              "outputs", "feedback", "states", "inputs"});
-  record.robot = file.robot("robot");
+  record.robot = file.robot("robot", folder);
   gait::HzdGait& gait = record.gait;
   gait.outputs = read_outputs(file.table("outputs"));
   const bool by_time = gait.outputs.phase == gait::PhaseKind::time;
@@ -210,7 +213,7 @@ std::expected<GaitRecord, std::string> parse_gait(std::string_view toml, std::st
   const std::string where = std::string(file) + ": ";
   try {
     const toml::table table = toml::parse(toml, file);
-    return read(Table(table, ""));
+    return read(Table(table, ""), std::filesystem::path(file).parent_path());
   } catch (const toml::parse_error& error) {
     return std::unexpected(where + "line " + std::to_string(error.source().begin.line) +
                            " is not TOML: " + std::string(error.description()));

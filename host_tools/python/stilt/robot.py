@@ -158,7 +158,7 @@ class Robot:
         self._ask('height', value=float(height_m))
 
     def tune(self, key: str, value: float) -> None:
-        """Changes a live tunable, such as 'torque_law.kp_stance_Nm_rad'; docs/tuning.md lists them."""
+        """Changes a live tunable, such as 'torque_law.joint_kp_Nm_rad'; docs/tuning.md lists them."""
         self._ask('tunable', tunable=key, value=float(value))
 
     def stop(self) -> None:

@@ -35,8 +35,8 @@ TEST(ConfigureCycles, GaitsOfARobotWithoutThemAreMissedWhereTheReferenceNeedsThe
   const auto refused = configure();
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error(),
-            "mine.toml: controller.reference is hzd, and no gaits of rabbit are shipped; stilt gait library "
-            "makes a folder of them");
+            "mine.toml: controller.reference is hzd, and no gaits of rabbit are shipped; plans follow "
+            "shipped gaits alone here, so set controller.reference = \"heuristic\"");
   configuration.controller.reference = configuration::load_robot("rabbit")->controller.reference;
   configuration.supervisor.select_gait = true;
   const auto selected = configure();

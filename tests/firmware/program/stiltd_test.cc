@@ -88,6 +88,19 @@ TEST(Stiltd, PrintsTheWholeConfigurationAsItWouldReadIt) {
   EXPECT_TRUE(has(printed, "[discretisation]"));
 }
 
+/// As docs/first-day.md begins with a robot of one's own; it has no configuration beside it.
+TEST(Stiltd, PrintsTheConfigurationOfAUrdfWithTheStanceOfItsLegs) {
+  const tests::OwnFolder folder;
+  std::filesystem::copy_file(
+      std::filesystem::path(SHIPPED).parent_path() / "../../codegen/robots/rabbit.urdf",
+      folder.path() / "mine.urdf");
+  const Answer printed =
+      answer("cd " + folder.path().string() + " && " STILTD " --print-config --robot mine.urdf 2>&1");
+  EXPECT_EQ(printed.status, 0);
+  EXPECT_TRUE(has(printed, "\nrobot = \"mine.urdf\"\n"));
+  EXPECT_TRUE(has(printed, "\nbase_height_m = 0.73")) << "legs of 0.8 m";
+}
+
 // As a service does, which starts in /.
 TEST(Stiltd, FindsTheUrdfOfAConfigurationFromAnyWorkingDirectory) {
   const tests::OwnFolder folder;

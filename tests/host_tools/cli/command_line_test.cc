@@ -119,6 +119,13 @@ TEST_F(CommandLine, AMistakeIsSaidOfTheCommandItBelongsTo) {
       {"sim --speed nan",
        "stilt: sim: --speed: nan is no number; give one, such as 0.5; see stilt sim --help\n"},
       {"sim --lump legs", "stilt: --lump legs: only --controller mpc-lumped neglects mass and inertia\n"},
+      {"report x.mcap --shift 1", "stilt: --shift 1: needs a second file\n"},
+      {"replay x.mcap --port 9000", "stilt: replay: --port requires --monitor; see stilt replay --help\n"},
+      {"replay x.mcap --no-browser",
+       "stilt: replay: --no-browser requires --monitor; see stilt replay --help\n"},
+      {"sim --controller mpc-hzd --robot rabbit",
+       "stilt: --controller mpc-hzd: no gaits of rabbit are shipped; stilt gait library makes a folder of "
+       "them\n"},
       {"help nope", "stilt: help: nope is no command; see stilt --help\n"},
       {"help gait nope", "stilt: help: gait nope is no command; see stilt --help\n"},
       {"sim 1", "stilt: sim: 1 is not expected; see stilt sim --help\n"},
@@ -132,6 +139,16 @@ TEST_F(CommandLine, AMistakeIsSaidOfTheCommandItBelongsTo) {
   }
   EXPECT_NE(run("dance").errors.find("dance is no command; there are sim, bench, robot"), std::string::npos)
       << run("dance").errors;
+}
+
+TEST_F(CommandLine, ARobotBesideARecordThatNamesItsOwnIsRefused) {
+  std::ofstream(file("walk.mcap")) << "\x89MCAP0\r\n";
+  std::ofstream(file("ticks.csv")) << "tick,";
+  const std::string sentence =
+      "stilt: --robot rabbit: needs samples or a black box; a record and a report name their robot\n";
+  EXPECT_EQ(run("report " + file("walk.mcap") + " --robot rabbit").errors, sentence);
+  EXPECT_NE(run("report " + file("walk.mcap") + ' ' + file("ticks.csv") + " --robot rabbit").errors,
+            sentence);
 }
 
 TEST_F(CommandLine, EveryCommandShowsExamplesOfItself) {

@@ -61,6 +61,25 @@ TEST_F(GaitCommand, CheckOfAGaitThatBreaksItsLimitsIsStatusOneAndNamesThem) {
   EXPECT_NE(printed.find(", at most 20\n"), std::string::npos) << printed;
 }
 
+TEST_F(GaitCommand, AUrdfIsNamedFromTheFolderOfTheGaitFile) {
+  std::filesystem::copy_file(STILT_URDF, file("mine.urdf"));
+  std::string text = text_of(kShipped);
+  const std::string name = "\"amber3m\"";
+  std::ofstream(file("gait.toml")) << text.replace(text.find(name), name.size(), "\"mine.urdf\"");
+  const auto robot_of = [](const std::string& gait) {
+    const std::string written = text_of(gait);
+    const std::size_t at = written.find("robot = ");
+    return written.substr(at, written.find('\n', at) - at);
+  };
+  const auto relative = [this](const char* named) { return std::filesystem::relative(file(named)).string(); };
+  std::filesystem::create_directory(file("below"));
+  ASSERT_EQ(run("complete " + relative("gait.toml") + " --out " + relative("beside.toml")).status, 0);
+  EXPECT_EQ(robot_of(file("beside.toml")), "robot = \"mine.urdf\"");
+  ASSERT_EQ(run("complete " + relative("beside.toml") + " --out " + relative("below/gait.toml")).status, 0);
+  EXPECT_TRUE(robot_of(file("below/gait.toml")).starts_with("robot = \"/"));
+  EXPECT_EQ(run("check " + file("below/gait.toml")).status, 0);
+}
+
 TEST_F(GaitCommand, SynthesizesChecksAndShowsAGait) {
   ASSERT_EQ(run("synthesize --speed 0.35 --out " + file("a.toml")).status, 0);
   EXPECT_EQ(run("check " + file("a.toml")).status, 0);

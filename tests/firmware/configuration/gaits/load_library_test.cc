@@ -7,6 +7,7 @@
 
 #include "firmware/configuration/gaits/gait_file.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
+#include "firmware/robots/robots.h"
 #include "tests/own_folder.h"
 
 namespace stilt::gait_files {
@@ -36,8 +37,7 @@ TEST_F(LoadLibrary, HasTheShippedGaitsOfAmberFromTheSlowestOn) {
 }
 
 TEST_F(LoadLibrary, SaysThatARobotHasNoGaits) {
-  EXPECT_EQ(load_shipped_library("nonsense", *library_).error(),
-            "no gaits of nonsense are shipped; stilt gait library makes a folder of them");
+  EXPECT_EQ(load_shipped_library("nonsense", *library_).error(), "no gaits of nonsense are shipped");
 }
 
 TEST_F(LoadLibrary, SortsTheFilesOfAFolderBySpeed) {
@@ -48,6 +48,22 @@ TEST_F(LoadLibrary, SortsTheFilesOfAFolderBySpeed) {
   ASSERT_EQ(error(), "");
   EXPECT_EQ(library_->count(), 15);
   for (int i = 1; i < 15; ++i) EXPECT_GT(library_->gait(i).speed_m_s, library_->gait(i - 1).speed_m_s);
+}
+
+TEST_F(LoadLibrary, FindsARelativeUrdfFromTheFolderOfTheFile) {
+  std::string text(shipped_gaits()[0].text);
+  const std::string named = "robot = \"" + std::string(shipped_gaits()[0].robot) + '"';
+  ASSERT_NE(text.find(named), std::string::npos);
+  write("gait.toml", text.replace(text.find(named), named.size(), "robot = \"robot.urdf\""));
+  EXPECT_EQ(error(), path("gait.toml") + ": robot: " + path("robot.urdf") +
+                         ": cannot be read (No such file or directory); give the path of a URDF file");
+  write("robot.urdf", robots::shipped_urdfs()[0].text);
+  EXPECT_EQ(error(),
+            path("gait.toml") + ": this is a gait of " + path("robot.urdf") + "; one of amber3m is needed");
+  const std::string elsewhere = (folder_ / "." / "robot.urdf").string();
+  const auto loaded = load_library(folder_.string(), elsewhere, *library_);
+  ASSERT_TRUE(loaded) << loaded.error();
+  EXPECT_EQ(library_->count(), 1);
 }
 
 TEST_F(LoadLibrary, RefusesFoldersThatMakeNoLibraryAndLeavesItEmpty) {
