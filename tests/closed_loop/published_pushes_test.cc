@@ -19,8 +19,9 @@ using testing_support::kGuardedShare;
 using testing_support::kSameSpeed_m_s;
 using testing_support::results_of;
 
-constexpr const char* kTables[] = {"pushes",  "directions", "motors",   "changes", "paper",
-                                   "realism", "rabbit",     "terminal", "tuning",  "rates"};
+constexpr const char* kTables[] = {"pushes",  "pushes_short", "directions", "motors",
+                                   "changes", "motors_short", "paper",      "realism",
+                                   "rabbit",  "terminal",     "tuning",     "rates"};
 
 struct PublishedRow {
   std::string table;
