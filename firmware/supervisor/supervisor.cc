@@ -255,18 +255,14 @@ void Supervisor::move(const SupervisorInputs& inputs) noexcept {
   for (const Transition& transition : kTransitions) {
     if (transition.from == output_.state && applies(transition.condition, inputs) &&
         passes(transition.guard)) {
-      enter(transition.to, inputs);
+      enter(transition.to);
       return;
     }
   }
 }
 
-void Supervisor::enter(State state, const SupervisorInputs& inputs) noexcept {
+void Supervisor::enter(State state) noexcept {
   const State before = output_.state;
-  const bool gave_up = before == State::stand && state == State::ready;
-  if (gave_up && !leads_to_rest(inputs.request.kind)) {
-    void_number_ = std::max(void_number_, inputs.request.number);
-  }
   if (before == State::fault && state == State::idle) {
     output_.latched = FaultSet();
     output_.reaction = reaction(output_.present);

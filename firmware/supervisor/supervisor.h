@@ -22,8 +22,7 @@ enum class RequestKind : std::uint8_t { none, calibrate, stand, step, walk, sit,
 }
 
 /// What the operator wants last. A request stands until it is met, replaced by one with a higher number, or
-/// void. A fault, a lost heartbeat and a lost stance void what was asked for before, so that nothing moves
-/// again by itself.
+/// void. A fault and a lost heartbeat void what was asked for before, so that nothing moves again by itself.
 struct Request {
   RequestKind kind = RequestKind::none;
   std::uint32_t number = 0;  ///< counts requests from 1
@@ -99,7 +98,7 @@ class Supervisor {
   void give_up_waiting_to_stand(const Request& request) noexcept;
   void refuse_steps(const Request& request) noexcept;
   void move(const SupervisorInputs& inputs) noexcept;
-  void enter(State state, const SupervisorInputs& inputs) noexcept;
+  void enter(State state) noexcept;
   [[nodiscard]] bool applies(Condition condition, const SupervisorInputs& inputs) const noexcept;
   [[nodiscard]] bool requested(RequestKind kind, const Request& request) const noexcept;
   [[nodiscard]] bool passes(Guard guard) const noexcept;

@@ -218,10 +218,7 @@ std::string CommandArbiter::apply(const Asked& asked, CommandKind kind, const Ro
       return {};
     case CommandKind::release:
       if (commander_ != asked.commander) return asked.commander + " is not in command";
-      if (waits_to_stand(now.state) || request_.kind == RequestKind::step ||
-          request_.kind == RequestKind::walk) {
-        stop(now);  // what remains is the way to rest
-      }
+      if (request_.kind == RequestKind::step || request_.kind == RequestKind::walk) stop(now);
       commander_.clear();
       return {};
     case CommandKind::height:
