@@ -32,7 +32,7 @@ inline constexpr std::size_t kCommandKinds = 14;
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-/// Taken from every sender with the token, whoever commands.
+/// Taken from every sender with the token, also out of command.
 [[nodiscard]] constexpr bool is_of_everybody(CommandKind kind) noexcept {
   return kind == CommandKind::stop || kind == CommandKind::cut;
 }

@@ -42,7 +42,7 @@ TEST_F(ControlLoopReports, TheEndOfAFaultIsAnEvent) {
   EXPECT_EQ(over[0].fault, Fault::emergency_stop);
 }
 
-TEST_F(ControlLoopReports, AFlickeringWarningThatNobodyTakesDisplacesNoState) {
+TEST_F(ControlLoopReports, AFlickeringWarningDisplacesNoStateInAFullRing) {
   rig->stand();
   for (int i = 0; i < 200; ++i) {
     ++rig->joints.error_count;

@@ -61,7 +61,7 @@ TEST_F(OutcomeTest, WhatTheRingLostIsCountedAndTheEndIsThatOfTheTorqueLoop) {
   EXPECT_EQ(json["dropped_events"], 7);
   ASSERT_EQ(json["faults"].size(), 2u);
   EXPECT_EQ(json["faults"][1]["name"], "driver_fault");
-  EXPECT_TRUE(json["faults"][1]["time_s"].is_null()) << "nobody knows";
+  EXPECT_TRUE(json["faults"][1]["time_s"].is_null()) << "its event was lost";
 }
 
 TEST_F(OutcomeTest, AFaultThatFlickersIsOneEntryUntilAReset) {

@@ -19,27 +19,21 @@ constexpr double kWatchdogs_s[] = {0.005, 0.01, 0.02, 0.05, 0.1};
 constexpr std::int64_t kMillisecond_ns = 1'000'000;
 
 /// A driver whose clock is ahead of ours and runs at another rate.
-class OtherClock final : public EmulatedDriver {
+class OtherClock final : public DriverAround<EmulatedDriver&> {
  public:
   OtherClock(EmulatedDriver& driver, double rate, std::int64_t ahead_ns)
-      : driver_(driver), rate_(rate), ahead_ns_(ahead_ns) {}
+      : DriverAround(driver), rate_(rate), ahead_ns_(ahead_ns) {}
   void take(std::int64_t now_ns, const CanFrame& frame, FrameSink& replies) noexcept override {
-    driver_.take(at(now_ns), frame, replies);
+    inner_.take(at(now_ns), frame, replies);
   }
   void elapse(std::int64_t now_ns, FrameSink& replies) noexcept override {
-    driver_.elapse(at(now_ns), replies);
+    inner_.elapse(at(now_ns), replies);
   }
-  [[nodiscard]] double torque_Nm() const noexcept override { return driver_.torque_Nm(); }
-  [[nodiscard]] bool enabled() const noexcept override { return driver_.enabled(); }
-  [[nodiscard]] bool reports_supply() const noexcept override { return driver_.reports_supply(); }
-  void raise(DriverFault fault) noexcept override { driver_.raise(fault); }
-  void power_cycle() noexcept override { driver_.power_cycle(); }
 
  private:
   [[nodiscard]] std::int64_t at(std::int64_t now_ns) const noexcept {
     return static_cast<std::int64_t>(static_cast<double>(now_ns) * rate_) + ahead_ns_;
   }
-  EmulatedDriver& driver_;
   double rate_;
   std::int64_t ahead_ns_;
 };
