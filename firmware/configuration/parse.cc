@@ -281,10 +281,11 @@ Result parse(std::string_view toml, std::string_view file, std::span<const Overr
 }
 
 void keep_torque_limit(Configuration& configuration) {
-  const double share = configuration.supervisor.torque_limit_share;
-  if (share >= 1.0) return;
-  configuration.robot.torque_limit_scale = std::min(configuration.robot.torque_limit_scale, share);
-  if (!supervisor::may_walk(configuration.supervisor)) configuration.gait.catch_falls = false;
+  supervisor::SupervisorParameters& supervisor = configuration.supervisor;
+  double& scale = configuration.robot.torque_limit_scale;
+  if (supervisor.torque_limit_share < 1.0) scale = std::min(scale, supervisor.torque_limit_share);
+  supervisor.plan_torque_share = scale;
+  if (!supervisor::may_walk(supervisor)) configuration.gait.catch_falls = false;
 }
 
 Result load_file(const std::string& path, std::span<const Override> overrides, std::string_view preset) {

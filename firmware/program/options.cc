@@ -90,22 +90,18 @@ std::expected<void, std::string> check_start(const Options& options) {
                   options.start->speed_m_s, limit_m_s);
     return std::unexpected(text);
   }
-  // Plans with less torque than walking needs fall, too.
   const supervisor::SupervisorParameters& supervisor = options.configuration.supervisor;
-  const double scale = options.configuration.robot.torque_limit_scale;
-  supervisor::SupervisorParameters least = supervisor;
-  least.torque_limit_share = std::min(supervisor.torque_limit_share, scale);
-  if (supervisor::may_walk(least)) return {};
-  const char* key = "--torque-limit";
-  if (supervisor.torque_limit_share < supervisor.walk_torque_share * options.torque_limit_share) {
-    key = "supervisor.torque_limit_share";  // too small without the option
-  } else if (supervisor::may_walk(supervisor)) {
-    key = "robot.torque_limit_scale";
+  if (supervisor::may_walk(supervisor)) return {};
+  const char* key = supervisor::key_against_walk(supervisor);
+  const bool enough_without_option =
+      supervisor.torque_limit_share >= supervisor.walk_torque_share * options.torque_limit_share;
+  if (enough_without_option && supervisor.torque_limit_share < supervisor.walk_torque_share) {
+    key = "--torque-limit";
   }
   std::snprintf(text, sizeof text,
                 "--start: stepping and walking need a torque limit of at least %g of the joints' "
                 "(supervisor.walk_torque_share), and it is %g; take --start stand, or a larger %s",
-                supervisor.walk_torque_share, least.torque_limit_share, key);
+                supervisor.walk_torque_share, supervisor::torque_share_of_walk(supervisor), key);
   return std::unexpected(text);
 }
 

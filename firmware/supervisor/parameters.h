@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "hal/robot/joint_bus.h"
 
 namespace stilt::supervisor {
@@ -8,6 +10,7 @@ namespace stilt::supervisor {
 /// here are the margins beyond them.
 struct SupervisorParameters {
   double torque_limit_share = 1.0;     ///< of the joints' torque limits, at every level
+  double plan_torque_share = 1.0;      ///< of the joints' torque limits, in plans; robot.torque_limit_scale
   double walk_torque_share = 0.6;      ///< smaller shares of torque only stand
   double position_margin_rad = 0.15;   ///< travel beyond the URDF's before joint_position_limit
   double speed_margin_rad_s = 8.0;     ///< speed beyond the URDF's before joint_speed_limit
@@ -66,9 +69,20 @@ struct SupervisorParameters {
   return {parameters.sit_hip_rad, parameters.sit_knee_rad, parameters.sit_hip_rad, parameters.sit_knee_rad};
 }
 
-/// Whether the torque limit leaves enough to step and walk.
+/// Share of the joints' torque limits that a walk has: plans with less torque than walking needs fall, too.
+[[nodiscard]] constexpr double torque_share_of_walk(const SupervisorParameters& parameters) noexcept {
+  return std::min(parameters.torque_limit_share, parameters.plan_torque_share);
+}
+
+/// Whether the torque limits leave enough to step and walk.
 [[nodiscard]] constexpr bool may_walk(const SupervisorParameters& parameters) noexcept {
-  return parameters.torque_limit_share >= parameters.walk_torque_share;
+  return torque_share_of_walk(parameters) >= parameters.walk_torque_share;
+}
+
+/// The key that keeps the robot from walking, when may_walk() is false.
+[[nodiscard]] constexpr const char* key_against_walk(const SupervisorParameters& parameters) noexcept {
+  return parameters.torque_limit_share < parameters.walk_torque_share ? "supervisor.torque_limit_share"
+                                                                      : "robot.torque_limit_scale";
 }
 
 /// What the joints can bear, in the order of Pose.

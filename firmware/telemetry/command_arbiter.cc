@@ -194,9 +194,10 @@ std::string CommandArbiter::refusal_of_order(const Asked& asked, CommandKind kin
   }
   const bool steps = kind == CommandKind::step || kind == CommandKind::walk;
   if (steps && !supervisor::may_walk(rules_.supervisor)) {
-    return std::string(name(kind)) + " needs supervisor.torque_limit_share of at least " +
-           number_text(rules_.supervisor.walk_torque_share) + " (supervisor.walk_torque_share), and it is " +
-           number_text(rules_.supervisor.torque_limit_share);
+    return std::string(name(kind)) + " needs " + supervisor::key_against_walk(rules_.supervisor) +
+           " of at least " + number_text(rules_.supervisor.walk_torque_share) +
+           " (supervisor.walk_torque_share), and it is " +
+           number_text(supervisor::torque_share_of_walk(rules_.supervisor));
   }
   if (steps && stands_or_moves(now.state) && !now.latched.empty()) {
     return latching(now.latched) + ": the robot is about to sit down; reset it then";

@@ -236,7 +236,10 @@ TEST(Options, WalkingIsRefusedBelowTheTorqueThatItNeeds) {
     EXPECT_FALSE(read({"--set", "robot.torque_limit_scale=0.5", "--start", start}));
     EXPECT_TRUE(read({"--set", "robot.torque_limit_scale=0.6", "--start", start}));
   }
-  EXPECT_TRUE(read({"--set", "robot.torque_limit_scale=0.5", "--start", "stand"}));
+  const auto stands = read({"--set", "robot.torque_limit_scale=0.5", "--start", "stand"});
+  ASSERT_TRUE(stands) << stands.error();
+  EXPECT_EQ(stands->configuration.supervisor.plan_torque_share, 0.5) << "an operator's walk is refused, too";
+  EXPECT_FALSE(stands->configuration.gait.catch_falls);
 }
 
 TEST(Options, ARefusedWalkNamesTheKeyThatIsTooSmall) {

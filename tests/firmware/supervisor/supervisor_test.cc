@@ -175,7 +175,13 @@ TEST_F(SupervisorTest, WithLessTorqueThanAWalkNeedsItStandsAndNeitherStepsNorWal
     request(kind, 0.5);
     EXPECT_EQ(run(1.0), State::stand);
   }
-  parameters_.torque_limit_share = parameters_.walk_torque_share;
+  parameters_.torque_limit_share = 1.0;
+  parameters_.plan_torque_share = 0.5;
+  power_on();
+  bring_to_stand();
+  request(RequestKind::walk, 0.5);
+  EXPECT_EQ(run(1.0), State::stand) << "plans have too little";
+  parameters_.torque_limit_share = parameters_.plan_torque_share = parameters_.walk_torque_share;
   power_on();
   bring_to_walk();
 }

@@ -354,7 +354,14 @@ TEST_F(CommandArbiterTest, a_robot_whose_torque_does_not_suffice_refuses_to_step
   }
   EXPECT_EQ(arbiter.commander(), "");
   EXPECT_TRUE(take(CommandKind::stand).accepted);
+  weak.supervisor.torque_limit_share = 1.0;
+  weak.supervisor.plan_torque_share = 0.5;
+  arbiter = CommandArbiter(weak, {});
+  EXPECT_EQ(
+      take(CommandKind::walk, 0.1).reason,
+      "walk needs robot.torque_limit_scale of at least 0.6 (supervisor.walk_torque_share), and it is 0.5");
   weak.supervisor.torque_limit_share = 0.6;
+  weak.supervisor.plan_torque_share = 0.6;
   arbiter = CommandArbiter(weak, {});
   EXPECT_TRUE(take(CommandKind::walk, 0.1).accepted);
 }
