@@ -56,6 +56,9 @@ class Robot:
     While it is open, signs of life leave ten times per second. When the program ends, is killed or is suspended, the
     robot begins to stop within a second: it steps in place, then stands.
 
+    A command leaves with the newest time that the monitor sent. When that is older than 0.5 s on arrival, the network or
+    the program stood still. Then the monitor refuses all but stop and motors_off.
+
     Raises Refused with the robot's reason when it does not take a command, RobotError when it cannot be reached.
     Raises ValueError for a value that is not finite; a wait may be infinite.
     """
@@ -74,6 +77,7 @@ class Robot:
         self._configuration: dict[str, Any] = {}
         self._supervisor: dict[str, Any] = {}
         self._silent_s = 0.0
+        self._link_time_s: float | None = None
         self._received_s = time.monotonic()
         self._replies: dict[int, dict[str, Any]] = {}
         self._sequence = 0
@@ -233,6 +237,8 @@ class Robot:
         with self._changed:
             self._sequence += 1
             number = self._sequence
+        if self._link_time_s is not None:
+            values['link_time_s'] = self._link_time_s  # the monitor refuses what comes late
         self._send({'command': command, 'sequence': number, 'token': self._token, **values})
         self._until(lambda: number in self._replies, f'the robot does not answer the command {command}')
         reply = self._replies.pop(number)
@@ -283,7 +289,7 @@ class Robot:
         if kind == 'reply':
             self._replies[message['sequence']] = message
         elif kind == 'link':
-            self._silent_s = message['silent_s']
+            self._silent_s, self._link_time_s = message['silent_s'], message['time_s']
         elif kind in ('hello', 'access', 'configuration', 'supervisor'):
             setattr(self, f'_{kind}', message)
 

@@ -30,6 +30,16 @@ class Client(unittest.TestCase):
         with self.assertRaisesRegex(stilt.RobotError, r'^the robot has been silent for \d+\.\d s$'):
             self.robot.wait(10.0)
 
+    def test_a_command_returns_the_newest_time_of_the_monitor(self):
+        """The monitor refuses by it what comes late (live_view_commands_test.cc)."""
+        self.robot.stop()
+        for time_s in (7.0, 7.1):
+            self.monitor.send({'type': 'link', 'time_s': time_s, 'silent_s': 0.0})
+        with self.robot._changed:
+            self.robot._changed.wait_for(lambda: self.robot._link_time_s == 7.1, PATIENCE_S)
+        self.robot.sit()
+        self.assertEqual(self.monitor.values('link_time_s'), [None, 7.1])
+
     def test_a_number_that_is_not_finite_is_refused_before_it_is_sent(self):
         self.robot._patience_s = 0.5
         for value in (math.nan, math.inf, -math.inf):

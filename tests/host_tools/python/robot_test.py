@@ -28,6 +28,18 @@ with stilt.Robot(sys.argv[1], token_file=sys.argv[2]) as robot:
 """
 
 
+class PatientRobot(stilt.Robot):
+    """Orders again, as the refusal asks for, what a busy machine delivered more than half a second late."""
+
+    def _ask(self, command: str, **values) -> None:
+        try:
+            super()._ask(command, **values)
+        except stilt.Refused as refusal:
+            if 'look, then order again' not in str(refusal):
+                raise
+            self._ask(command, **values)
+
+
 class Commands(unittest.TestCase):
     def setUp(self) -> None:
         self.programs = Programs(*PROGRAMS)
@@ -41,7 +53,7 @@ class Commands(unittest.TestCase):
     def open(self, **how) -> stilt.Robot:
         """With the token, once stiltd has written it."""
         self.programs.wait_for('stiltd', 'idle')
-        return stilt.Robot(self.address, token_file=str(self.programs.token_file), patience_s=60, **how)
+        return PatientRobot(self.address, token_file=str(self.programs.token_file), patience_s=60, **how)
 
     def test_it_stands_walks_stops_sits_and_its_motors_go_off(self):
         with self.open() as robot:
@@ -67,7 +79,7 @@ class Commands(unittest.TestCase):
 
     def test_the_link_of_the_monitor_commands_without_a_token(self):
         self.programs.wait_for('stiltd', 'idle')
-        with stilt.Robot(self.link, patience_s=60) as robot:
+        with PatientRobot(self.link, patience_s=60) as robot:
             robot.stand(PATIENCE_S)
 
     def test_a_refusal_is_an_exception_with_the_reason(self):

@@ -52,6 +52,10 @@ class StubMonitor:
     def commands(self) -> list[str]:
         return [message['command'] for _, message in self._received if 'command' in message]
 
+    def values(self, key: str) -> list[Any]:
+        """Of the commands, in their order; None where a command has no such key."""
+        return [message.get(key) for _, message in self._received if 'command' in message]
+
     def close(self) -> None:
         self._listener.close()
         self._client.close()

@@ -124,7 +124,7 @@ TEST(LiveView, OrdersOfAPageWhoseDataAreOldAreRefusedButStopAndCut) {
   const auto replies = page->of_type("reply");
   ASSERT_EQ(replies.size(), std::size(orders));
   EXPECT_EQ(replies[0]["reason"],
-            "The page's data were 4.0 s old when this order came, 0.5 s at most: look, then order again.");
+            "The sender's data were 4.0 s old when this order came, 0.5 s at most: look, then order again.");
   EXPECT_TRUE(passed_on("stop", 11.0));
   EXPECT_TRUE(passed_on("cut", 11.0));
 }

@@ -117,7 +117,7 @@ test('a walk that is pressed while the link stands still is refused when the lin
     }
   };
   await press('w');
-  await answer(/walk at 0.50 m\/s: refused. The page's data were [\d.]+ s old .*: look, then order again/);
+  await answer(/walk at 0.50 m\/s: refused. The sender's data were [\d.]+ s old .*: look, then order again/);
   assert.equal(await text('#state'), 'stand');
   await until('live data', async () => /^live/.test(await text('#link-status')));
   await page.keyboard.press('w');
