@@ -86,7 +86,7 @@ std::expected<JogReport, CommandFailure> run(Session& session, JogRequest reques
   }
 }
 
-std::string figures(const JogReport& report) {
+std::string measured_text(const JogReport& report) {
   const JogMotion& motion = report.motion;
   if (motion.response == Response::none) return "";
   char text[160];
@@ -107,7 +107,9 @@ std::expected<JogReport, CommandFailure> jog_and_ask(Session& session, const Jog
   return report;
 }
 
-std::string to_text(const JogReport& report) { return figures(report) + report.verdict.sentence + '\n'; }
+std::string to_text(const JogReport& report) {
+  return measured_text(report) + report.verdict.sentence + '\n';
+}
 
 std::string to_json(const JogReport& report) {
   const JogMotion& motion = report.motion;

@@ -44,7 +44,7 @@ struct Weakest {
   double ratio = 1;
 };
 
-/// Three figures behind the point, away from the limit: what is asked upward, what would do downward.
+/// Three digits behind the point, away from the limit: what is asked upward, what would do downward.
 std::string short_text(double value, double (*round)(double)) {
   constexpr double kDigits = 1e3;
   constexpr double kSmall = 0.1;

@@ -27,9 +27,9 @@ void check_torso_range(const HardwareParameters& hardware, const supervisor::Sup
 /// torso sensor. Also channels that share bits of a frame. Supposes a wiring that is valid in all else.
 void check_identifiers(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
-/// A sentence about two buses with the same identifiers of drivers, and no frame of a sensor to tell them
-/// apart. A scan finds everything in its place also where their adapters are exchanged. Empty: there are
-/// none.
+/// A sentence about two buses with the same identifiers of drivers, and no frame of a sensor that
+/// distinguishes them. A scan finds everything in its place also where their adapters are exchanged. Empty:
+/// there are none.
 [[nodiscard]] std::string exchangeable_buses(const HardwareParameters& hardware);
 
 /// Gains of the supervisor (hold, sit, damp) that the drivers cannot give. A command would carry the most

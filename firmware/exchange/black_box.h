@@ -84,7 +84,7 @@ class BlackBox {
   std::size_t count_ = 0;
   std::size_t left_ = 0;
   bool triggered_ = false;
-  bool frozen_ = false;  ///< the recorder's memory of having frozen it
+  bool frozen_ = false;  ///< whether the recorder has frozen it
   std::array<T, kCapacity> records_{};
 };
 

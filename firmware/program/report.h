@@ -7,9 +7,9 @@
 
 namespace stilt::program {
 
-/// What a configuration means for the buses: a line per bus, and one where two cannot be told apart. Others
-/// name what their frames cannot carry, drivers without a watchdog, and poses that the robot cannot take.
-/// `refused`: a bus is loaded beyond what works, or there is such a thing.
+/// What a configuration means for the buses: a line per bus, and one where two cannot be distinguished.
+/// Others name what their frames cannot carry, drivers without a watchdog, and poses that the robot cannot
+/// take. `refused`: a bus is loaded beyond what works, or there is such a thing.
 struct BusReport {
   std::string text;
   bool refused = false;

@@ -206,7 +206,7 @@ std::string to_text(const SelfTestResult& result) {
   if (result.round_trip.count() > 0) text += "round trip " + text_of(result.round_trip) + '\n';
   if (result.passed()) return text + "passed\n";
   if (result.answered_enough() && !result.in_time_enough()) {
-    return text + "failed: the drivers answer, but too late; wake-up and round trip show who is late\n";
+    return text + "failed: the drivers answer, but too late; wake-up and round trip show what is late\n";
   }
   return text + "failed\n";
 }

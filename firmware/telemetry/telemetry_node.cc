@@ -128,7 +128,7 @@ void TelemetryNode::begin(const control_loop::TickRecord& record) {
   begun_ = true;
   const auto today = std::chrono::system_clock::now().time_since_epoch();
   const std::int64_t today_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(today).count();
-  // The tick began before housekeeping came to it. Virtual time does not say how long ago.
+  // The tick began before housekeeping came to it. Virtual time does not show how long ago.
   const std::int64_t age_ns = run_.lockstep ? 0 : now().wall_ns - record.time_ns;
   time_ = {record.time_ns, today_ns - age_ns};
   publisher_->configuration(configuration_, run_, tuner_, time_);

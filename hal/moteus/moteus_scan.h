@@ -9,7 +9,7 @@
 /// The scan functions of hal/README.md for a moteus. Start-up only.
 namespace stilt::hal::moteus {
 
-/// Two queries of registers: who it is, how it is.
+/// Two queries of registers: of its identity, of its state.
 [[nodiscard]] std::vector<CanFrame> scan_frames(const MoteusDriver& driver);
 [[nodiscard]] bool take_scan(const MoteusDriver& driver, const CanFrame& frame, ScannedDriver& scanned);
 /// Every number from 1 to kMoteusMaximumId.

@@ -56,8 +56,8 @@ inline constexpr OdriveVersion kEmulatedVersion{2, 4, 4, 58, 0, 6, 11, 0};
 }
 
 /// ODrive with torque control: heartbeat, estimates and torques on timers, parameters for the watchdog. The
-/// watchdog is off at first and disarms the axis when it expires. The ODrive holds its position until it is
-/// told otherwise. Facts: github.com/odriverobotics/ODrive,
+/// watchdog is off at first and disarms the axis when it expires. The ODrive holds its position until
+/// another command comes. Facts: github.com/odriverobotics/ODrive,
 /// Firmware/communication/can/can_simple.cpp, Firmware/MotorControl/controller.cpp (f9b5419, 0.5.6). Too
 /// fast, it disarms in every mode.
 class OdriveEmulator final : public EmulatedDriver {

@@ -40,7 +40,7 @@ Json speeds_json(const PhaseSpeeds& s) {
           {"peak_gflop_s", s.peak_gflop_s},
           {"linearise", phase_json(s.linearise)},
           {"riccati", phase_json(s.sweep)},
-          {"line_search_step", phase_json(s.evaluate)},
+          {"line_search_trial", phase_json(s.evaluate)},
           {"riccati_textbook_peak_share", s.textbook_sweep_share}};
 }
 

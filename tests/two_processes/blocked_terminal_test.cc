@@ -95,7 +95,7 @@ TEST(TwoProcesses, AStoppedTerminalKeepsNoSignalFromCuttingTheMotors) {
   EXPECT_TRUE(std::ranges::none_of(run.robot_json().at("drivers"), [](const nlohmann::json& driver) {
     return driver.at("enabled").get<bool>();
   })) << run.robot_json().at("drivers");
-  EXPECT_FALSE(run.controller().wait(0)) << "its last words find no room";
+  EXPECT_FALSE(run.controller().wait(0)) << "its last output finds no room";
   while (!run.controller().wait(0)) {
     terminal.read();
     std::this_thread::sleep_for(kPause);

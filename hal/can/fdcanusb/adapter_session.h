@@ -31,7 +31,7 @@ struct SessionCounts {
 /// do not come back. The status is asked for every kStatusPeriod_ns instead. While transfers succeed, OK
 /// settles a frame. Once one has failed, OK does not. Those frames settle when a transfer succeeds, or when
 /// two answers in a row report no event. Then nothing is in the controller. (Firmware from
-/// 2025-09-19 removes frames that nobody acknowledges after 50 ms; before, it sends each frame once.) So a
+/// 2025-09-19 removes frames without acknowledgement after 50 ms; before, it sends each frame once.) So a
 /// bus without powered drivers gets the frames of a few milliseconds, and then one per identifier and round.
 ///
 /// Real-time safe in itself: fixed memory, no call of the system.

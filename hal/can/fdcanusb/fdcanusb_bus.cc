@@ -174,7 +174,7 @@ bool FdcanusbBus::wanted(const CanFrame& frame) const noexcept {
 }
 
 void FdcanusbBus::pass_on(const CanFrame& frame) noexcept {
-  // A command that was answered before must not look unanswered to who has the reply.
+  // A command that was answered before must not look unanswered where the reply is.
   link_->settled.store(session_.settled(), std::memory_order_release);
   if (wanted(frame)) static_cast<void>(link_->arrivals.push({frame, connections_}));
 }

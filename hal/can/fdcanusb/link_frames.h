@@ -17,7 +17,7 @@ namespace stilt::hal::fdcanusb {
 /// says when it is not). Frames without data bytes are malformed here: the adapter has no command for them.
 class LinkFrames final : public FrameBus {
  public:
-  /// @param doorbell  descriptor of a datagram socket; -1: nobody is woken
+  /// @param doorbell  descriptor of a datagram socket; -1: no thread is woken
   LinkFrames(Link& link, int doorbell, socketcan::SocketCalls calls = {}) noexcept
       : link_(link), doorbell_(doorbell), calls_(calls) {}
 

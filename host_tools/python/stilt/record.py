@@ -13,7 +13,7 @@ from stilt.errors import RecordError
 from stilt.mcap import Message, Reader
 from stilt.messages import BASIC, Decoder, Field, Types, name_with_units, parse_definition
 
-WIRE_VERSION = 2  # of the messages, kWireVersion of firmware/telemetry/wire_version.h
+WIRE_VERSION = 3  # of the messages, kWireVersion of firmware/telemetry/wire_version.h
 
 JOINTS = ('hip_L', 'knee_L', 'hip_R', 'knee_R')
 STATES = ('x_b_m', 'z_b_m', 'pitch_b_rad', 'hip_L_rad', 'knee_L_rad', 'hip_R_rad', 'knee_R_rad',

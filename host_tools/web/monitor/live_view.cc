@@ -110,8 +110,8 @@ std::string LiveView::refusal(const Page& page, const PageMessage& message) cons
   char text[128];
   std::snprintf(
       text, sizeof text,
-      "The sender's data were %.1f s old when this order came, %.1f s at most: look, then order again.", age_s,
-      kOldestLink_s);
+      "The sender's data were %.1f s old when this order came, %.1f s at most: look, then order again.",
+      age_s, kOldestLink_s);
   return text;
 }
 

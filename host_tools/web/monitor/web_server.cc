@@ -23,7 +23,7 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-/// How often is checked who is late.
+/// How often is checked which connection is late.
 constexpr auto kLook = std::chrono::milliseconds(500);
 
 std::string url_of(const std::string& host, int port) {

@@ -66,7 +66,7 @@ class HangingRobot final : public hal::Clock {
   }
   /// All drivers are moteus that have the encoder of their rotor alone.
   void reference_to_rotors();
-  /// For a scan: any travel and speed, and a watchdog where the configuration demands one.
+  /// For a scan: any travel and speed, and a watchdog where the configuration requires one.
   [[nodiscard]] std::array<hal::bring_up::Options, hal::kJoints> wanted() const;
   [[nodiscard]] JogRequest jog_request(std::size_t joint, double angle_rad) const;
 

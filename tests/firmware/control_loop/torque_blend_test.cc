@@ -18,7 +18,7 @@ class TorqueBlendTest : public ::testing::Test {
     blend_.remember({FallbackLevel::plan, 0});
   }
 
-  /// Torque of joint 1 in a tick whose law wants `law_Nm`, after a tick that asked for 10 Nm.
+  /// Torque of joint 1 in a tick whose law asks for `law_Nm`, after a tick that asked for 10 Nm.
   double torque_Nm(FallbackLevel level, double time_s, double law_Nm) {
     hal::JointCommands wanted{};
     wanted[1].torque_Nm = law_Nm;

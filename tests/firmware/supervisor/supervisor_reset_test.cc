@@ -134,7 +134,7 @@ TEST_F(SupervisorTest, AFaultBeforeTheDriversWereUpSendsNothing) {
   for (hal::JointReading& joint : inputs_.seen.joints) joint.missed_replies = 5000;
   inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
   request(RequestKind::reset);
-  EXPECT_EQ(run(0.01), State::idle) << "drivers that nobody asks do not answer";
+  EXPECT_EQ(run(0.01), State::idle) << "drivers without commands do not answer";
   EXPECT_EQ(action_, Action::silent);
 }
 

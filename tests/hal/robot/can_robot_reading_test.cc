@@ -167,7 +167,7 @@ TEST(CanRobot, DriversThatTakeALimitGetItAtTheirShaft) {
   }
 }
 
-TEST(CanRobot, AMoteusThatDoesNotKnowItsPositionIsMissed) {
+TEST(CanRobot, AMoteusWithoutAPositionIsMissed) {
   Robot robot(Kind::moteus);
   tick(robot, some_commands());
   const JointReading before = robot.readings_[1];

@@ -313,7 +313,7 @@ TEST_F(CommandLine, ABenchmarkGivesEveryFigureOfItsContract) {
   EXPECT_GE(json["nodes"].get<int>(), 34);
   EXPECT_LE(json["iterations"]["max"].get<int>(), 3);
   EXPECT_GT(json["kernels"]["peak_gflop_s"].get<double>(), 0.0);
-  for (const char* kernel : {"linearise", "riccati", "line_search_step"}) {
+  for (const char* kernel : {"linearise", "riccati", "line_search_trial"}) {
     EXPECT_GT(json["kernels"][kernel]["time_us"].get<double>(), 0.0) << kernel;
   }
 }

@@ -96,7 +96,7 @@ TEST_F(Fdcanusb, ABusWithoutPoweredDriversGetsNoMoreThanOneFrameEach) {
     emulator.serve();
   }
   EXPECT_LE(counters(bus.frames()).sent, before + 4);
-  // The adapter gives them up; the next ones find nobody either.
+  // The adapter gives them up; the next ones are not acknowledged either.
   for (int round = 0; round < 3; ++round) {
     ASSERT_TRUE(until([&] {
       emulator.cancel();

@@ -47,10 +47,10 @@ TEST(RecordVersion, ANewerWireVersionIsRefusedWithBothNumbers) {
   {
     Recorder recorder(file.path(), {});
     recorder.take(ticks_sample(7, 0, 20), 1);
-    recorder.take(configuration_sample(7, "", 3), 2);
+    recorder.take(configuration_sample(7, "", 4), 2);
   }
   EXPECT_EQ(refusal(file.path()),
-            "has messages of wire version 3, but this stilt reads wire version 2; use the stilt of the same "
+            "has messages of wire version 4, but this stilt reads wire version 3; use the stilt of the same "
             "release as stiltd");
 }
 
@@ -58,7 +58,7 @@ TEST(RecordVersion, ARecordOfRelease01IsRefusedByItsDefinitions) {
   const mcap::TemporaryFile file("first");
   write_record_of_0_1(file.path());
   EXPECT_EQ(refusal(file.path()),
-            "has the messages of release 0.1, but this stilt reads wire version 2; use the stilt of the same "
+            "has the messages of release 0.1, but this stilt reads wire version 3; use the stilt of the same "
             "release as stiltd");
 }
 

@@ -56,7 +56,7 @@ TEST(Recorder, WhatItWroteIsReadByOthers) {
   EXPECT_EQ(found["attachments"][1]["name"], "amber3m.urdf");
   EXPECT_EQ(found["attachments"][1]["text"], "<robot name=\"amber3m\"/>");
   EXPECT_EQ(found["metadata"][0][1]["version"], "9.9");
-  EXPECT_EQ(found["metadata"][0][1]["wire_version"], "2");
+  EXPECT_EQ(found["metadata"][0][1]["wire_version"], "3");
 }
 
 TEST(Recorder, BytesAreKeptAsTheyCame) {

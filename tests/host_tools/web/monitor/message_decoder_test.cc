@@ -198,7 +198,7 @@ TEST(MessageDecoder, RunsThatEndedLongAgoAreForgottenAndTheOneThatIsFollowedIsNo
   EXPECT_EQ(decoder.runs().back().run_id, 100u);
 }
 
-TEST(MessageDecoder, OnlyASecondControllerThatTalksWhileTheFirstDoesIsCounted) {
+TEST(MessageDecoder, OnlyASecondControllerThatSendsWhileTheFirstDoesIsCounted) {
   MessageDecoder decoder;
   Kept kept;
   decoder.take(configuration(1, 100), kept);
@@ -213,7 +213,7 @@ TEST(MessageDecoder, OnlyASecondControllerThatTalksWhileTheFirstDoesIsCounted) {
 TEST(MessageDecoder, ARunOfAnotherWireVersionIsNotFollowedAndOneEventStatesIt) {
   MessageDecoder decoder;
   Kept kept;
-  for (int times = 0; times < 3; ++times) decoder.take(configuration(0xab, 100, 3), kept);
+  for (int times = 0; times < 3; ++times) decoder.take(configuration(0xab, 100, 4), kept);
   for (std::uint64_t tick = 0; tick < 3000; ++tick) decoder.take(one_tick(0xab, tick), kept);
   EXPECT_TRUE(kept.configurations.empty());
   EXPECT_TRUE(kept.ticks.empty());
@@ -221,7 +221,7 @@ TEST(MessageDecoder, ARunOfAnotherWireVersionIsNotFollowedAndOneEventStatesIt) {
   EXPECT_TRUE(kept.events[0].serious);
   EXPECT_EQ(
       kept.events[0].text,
-      "run 00000000000000ab has messages of wire version 3, but this stilt reads wire version 2; use the "
+      "run 00000000000000ab has messages of wire version 4, but this stilt reads wire version 3; use the "
       "stilt of the same release as stiltd");
 }
 

@@ -17,7 +17,7 @@
 
 #include "host_tools/web/monitor/web_server.h"
 
-/// A web server of a test, and clients that say what they like.
+/// A web server of a test, and clients with any headers.
 namespace stilt::monitor {
 
 inline constexpr int kClosed = 0;  ///< instead of a status: the connection was closed without an answer
