@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "tests/closed_loop/simulated_run.h"
 
@@ -54,6 +55,27 @@ INSTANTIATE_TEST_SUITE_P(ClosedLoop, EstimatorDrift, ::testing::Values(-0.3, 0.0
                            return (test.param < 0.0 ? "Backward" : "Forward") +
                                   std::to_string(std::lround(10.0 * std::abs(test.param)));
                          });
+
+/// Root mean square error of the base's upward speed over 20 s at 0.5 m/s.
+double speed_up_rms_m_s(const std::vector<std::string>& settings) {
+  RunRequest request = testing_support::walking(0.5, 1.0, 20.0);
+  request.settings = settings;
+  request.keep_samples = true;
+  const log::RunRecord record = SimulatedRun(request).run();
+  EXPECT_TRUE(record.summary.survived);
+  double squared = 0.0;
+  for (const log::RunSample& sample : record.samples) {
+    const double error = sample.estimated_state[kPositions + 1] - sample.true_state[kPositions + 1];
+    squared += error * error;
+  }
+  return std::sqrt(squared / static_cast<double>(record.samples.size()));
+}
+
+/// The figures of docs/tuning.md: what the blend costs where the feet touch down as planned.
+TEST(EstimatorBlend, CostsUpwardSpeedWhereTheFeetTouchDownAsPlanned) {
+  EXPECT_NEAR(speed_up_rms_m_s({}), 0.036, 0.0036);
+  EXPECT_NEAR(speed_up_rms_m_s({"estimator.blend_s=0"}), 0.0075, 0.0015);
+}
 
 }  // namespace
 }  // namespace stilt::simulation

@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Combine(::testing::Values(GuardedPush{"HipForward", 150.0, PushPoint::hip},
                                          GuardedPush{"HipBackward", -130.0, PushPoint::hip},
                                          GuardedPush{"TorsoForward", 90.0, PushPoint::torso},
-                                         GuardedPush{"TorsoBackward", -80.0, PushPoint::torso}),
+                                         GuardedPush{"TorsoBackward", -85.0, PushPoint::torso}),
                        ::testing::Range(0, 4)),
     [](const auto& test) {
       return std::string(std::get<0>(test.param).name) + "Phase" +

@@ -43,6 +43,17 @@ TEST(PublishedTables, HaveTheConditionsOfTheRandomRobots) {
   }
 }
 
+TEST(PublishedRobots, TheTwoWithTheSmallestMarginsSurviveAgain) {
+  const cli::ExperimentOptions options = testing_support::published_options("robustness");
+  const auto jobs = robustness_jobs(cli::robustness_plan(options), cli::walk_runner(options.setting));
+  const Json published = results_of("robustness").at("worst");
+  for (std::size_t place = 0; place < 2; ++place) {
+    const Json result = jobs.at(published.at(place).at("run").get<std::size_t>()).run();
+    EXPECT_EQ(result.at("survived"), published.at(place).at("survived"))
+        << "falls at " << result.at("fall_time_s") << " s: " << result.at("command").get<std::string>();
+  }
+}
+
 TEST(Robustness, TwoDozenRandomRobotsSurviveAPushOfFortyNewtons) {
   cli::ExperimentOptions options;
   options.runs = 24;
