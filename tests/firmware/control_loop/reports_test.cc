@@ -14,7 +14,18 @@ using supervisor::FallbackLevel;
 using supervisor::Fault;
 using supervisor::State;
 
-class ControlLoopReports : public testing::RigTest {};
+class ControlLoopReports : public testing::RigTest {
+ protected:
+  /// A standing robot holds its pose for a few ticks without replies, and stands again.
+  void freeze_the_black_box_by_silent_drivers() {
+    rig->mail.black_box.set_aftermath(20);
+    rig->stand();
+    rig->joints.silent = true;
+    rig->run(5);
+    rig->joints.silent = false;
+    rig->run(50);
+  }
+};
 
 TEST_F(ControlLoopReports, FaultsAndStatesAreReported) {
   rig->stand();
@@ -103,12 +114,7 @@ TEST_F(ControlLoopReports, TheBlackBoxFreezesWhenThePoseIsHeldAndNotForAWarning)
 }
 
 TEST_F(ControlLoopReports, TheBlackBoxIsThereForTheFallAfterAGlitchAndForOneOfAFall) {
-  rig->mail.black_box.set_aftermath(20);
-  rig->stand();
-  rig->joints.silent = true;
-  rig->run(5);
-  rig->joints.silent = false;
-  rig->run(50);
+  freeze_the_black_box_by_silent_drivers();
   ASSERT_TRUE(rig->mail.black_box.frozen());
   rig->mail.black_box.rearm();
   rig->run(50);
@@ -122,12 +128,7 @@ TEST_F(ControlLoopReports, TheBlackBoxIsThereForTheFallAfterAGlitchAndForOneOfAF
 }
 
 TEST_F(ControlLoopReports, AFallWhileTheBlackBoxIsFrozenTriggersItWhenItIsArmedAgain) {
-  rig->mail.black_box.set_aftermath(20);
-  rig->stand();
-  rig->joints.silent = true;
-  rig->run(5);
-  rig->joints.silent = false;
-  rig->run(50);
+  freeze_the_black_box_by_silent_drivers();
   ASSERT_TRUE(rig->mail.black_box.frozen());
   rig->joints.emergency_stop = hal::EmergencyStopState::pressed;
   rig->run(50);
