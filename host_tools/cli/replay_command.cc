@@ -8,6 +8,7 @@
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/progress.h"
 #include "host_tools/cli/usage_error.h"
+#include "host_tools/recording/record/record_version.h"
 #include "host_tools/recording/replay/record_source.h"
 #include "host_tools/recording/replay/replay_run.h"
 #include "host_tools/web/monitor/serve.h"
@@ -119,8 +120,7 @@ int run_replay(const ReplayOptions& options) {
   const replay::RecordContents contents = replay::read_contents(options.file);
   for (const std::string& problem : contents.problems) std::fprintf(stderr, "stilt: %s\n", problem.c_str());
   const std::vector<Replayed> all = replay_all(options.file, contents);
-  if (all.empty())
-    throw UsageError(options.file + ": holds no ticks of stiltd; name a record of stilt record");
+  if (all.empty()) throw UsageError(record::without_ticks(options.file, contents.problems));
   const bool reproduced =
       std::ranges::all_of(all, [](const Replayed& one) { return one.outcome.reproduced(); });
   if (!options.json_file.empty()) {

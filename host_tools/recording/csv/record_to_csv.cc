@@ -202,7 +202,7 @@ Written ticks_to_csv(const std::string& record, const std::string& file) {
   Written written{{}, reader.problems()};
   ticks.close(written.files);
   if (written.files.empty()) {
-    throw std::runtime_error(record + ": holds no ticks of stiltd; name a record of stilt record");
+    throw std::runtime_error(record::without_ticks(record, written.problems));
   }
   return written;
 }

@@ -88,7 +88,8 @@ std::uint16_t Writer::add_channel(std::uint16_t schema_id, const std::string& to
   return channels_.back().id;
 }
 
-/// Without the index, a reader finds a channel before its first message.
+/// A reader finds a channel before its first message in every chunk: without the index, and beside a chunk
+/// that is damaged.
 void Writer::introduce(std::uint16_t channel_id) {
   if (!introduced_channels_.insert(channel_id).second) return;
   const Channel& channel = channels_.at(channel_id);
@@ -147,6 +148,8 @@ void Writer::flush() {
   ++statistics_.chunks;
   chunk_.clear();
   chunk_messages_.clear();
+  introduced_channels_.clear();
+  introduced_schemas_.clear();
 }
 
 void Writer::write_message_indexes(ChunkIndex& chunk) {

@@ -46,6 +46,9 @@ class Writer {
   /// Writes the messages so far as one chunk. No effect without messages.
   void flush();
 
+  /// Whether there are messages that are not in the file yet.
+  [[nodiscard]] bool has_open_chunk() const { return !chunk_messages_.empty(); }
+
   /// Writes the remaining messages, index and statistics. Nothing may be written afterwards.
   void close();
 

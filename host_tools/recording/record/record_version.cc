@@ -42,4 +42,11 @@ void require_wire_version(const std::string& path) {
   }
 }
 
+std::string without_ticks(const std::string& path, const std::vector<std::string>& problems) {
+  const std::string none = path + ": holds no ticks of stiltd";
+  if (problems.empty()) return none + "; name a record of stilt record";
+  const std::string& first = problems.front();
+  return none + " that can be read: " + first.substr(first.starts_with(path + ": ") ? path.size() + 2 : 0);
+}
+
 }  // namespace stilt::record

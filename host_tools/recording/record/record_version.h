@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "host_tools/recording/mcap/reader.h"
 
@@ -14,5 +15,9 @@ void require_wire_version(const std::string& path, const mcap::ReadMessage& read
 /// Refuses a record by its first configuration, as above. Accepts a record without one. Throws
 /// std::runtime_error, one sentence, also when the file is not a record.
 void require_wire_version(const std::string& path);
+
+/// Why a record without ticks is no use, one sentence that begins with the path.
+/// @param problems  of the reader; each begins with the path
+[[nodiscard]] std::string without_ticks(const std::string& path, const std::vector<std::string>& problems);
 
 }  // namespace stilt::record

@@ -57,9 +57,22 @@ void Recorder::take(const telemetry::Sample& sample, std::int64_t now_ns) {
   }
   if (&topic == &telemetry::kTicks) {
     if (const auto ticks = sample.as<telemetry::TickBatch>()) {
-      runs_[ticks->run_id].add(ticks->first_tick, ticks->count);
+      open_.push_back({ticks->run_id, ticks->first_tick, ticks->count});
     }
   }
+  count_written();
+}
+
+/// What the file did not take, on a full disk, is not counted.
+void Recorder::count_written() {
+  if (writer_.has_open_chunk()) return;
+  for (const Ticks& ticks : open_) runs_[ticks.run_id].add(ticks.first, ticks.count);
+  open_.clear();
+}
+
+void Recorder::flush() {
+  writer_.flush();
+  count_written();
 }
 
 void Recorder::keep_configuration(const telemetry::ActiveConfiguration& configuration, std::int64_t now_ns) {
@@ -77,6 +90,9 @@ void Recorder::keep_configuration(const telemetry::ActiveConfiguration& configur
                            {"wire_version", std::to_string(configuration.wire_version)}}});
 }
 
-void Recorder::close() { writer_.close(); }
+void Recorder::close() {
+  writer_.close();
+  count_written();
+}
 
 }  // namespace stilt::record

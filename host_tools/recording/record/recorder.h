@@ -37,25 +37,30 @@ class Recorder {
   void take(const telemetry::Sample& sample, std::int64_t now_ns);
 
   /// Writes the samples so far. Call at least once per second.
-  void flush() { writer_.flush(); }
+  void flush();
 
   /// Closes the file properly.
   void close();
 
   [[nodiscard]] std::uint64_t messages() const { return writer_.statistics().messages; }
   [[nodiscard]] std::uint64_t bytes() const { return writer_.bytes_written(); }
-  /// Ticks of each run.
+  /// Ticks of each run that are in the file.
   [[nodiscard]] const std::map<std::uint64_t, TickLedger>& runs() const { return runs_; }
 
  private:
   [[nodiscard]] std::uint16_t channel_of(const telemetry::Topic& topic);
   void keep_configuration(const telemetry::ActiveConfiguration& configuration, std::int64_t now_ns);
+  void count_written();
 
   Options options_;
   mcap::Writer writer_;
   std::map<const telemetry::Topic*, std::uint16_t> channels_;
   std::map<const telemetry::Topic*, std::uint32_t> counts_;
   std::map<std::uint64_t, TickLedger> runs_;
+  struct Ticks {
+    std::uint64_t run_id, first, count;
+  };
+  std::vector<Ticks> open_;  ///< ticks of the open chunk
   std::uint32_t plans_ = 0;  ///< number received
 };
 

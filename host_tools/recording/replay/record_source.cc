@@ -52,7 +52,7 @@ RecordSource::RecordSource(const std::string& path, std::function<Clock::time_po
   RecordCursor all(path);
   while (all.message() != nullptr) all.advance();
   if (!all.has_ticks()) {
-    throw std::runtime_error(path + ": holds no ticks of stiltd; name a record of stilt record");
+    throw std::runtime_error(record::without_ticks(path, all.reader().problems()));
   }
   length_s_ = all.due_s();
   problems_ = all.reader().problems();

@@ -7,8 +7,7 @@
 // What a record holds, and why a replay starts at tick 0: docs/decisions/0010-records.md
 namespace stilt::replay {
 
-Replay::Replay(std::vector<control_loop::CycleRecord> cycles,
-               std::function<std::optional<Tunings>(std::uint32_t)> tunings)
+Replay::Replay(std::vector<control_loop::CycleRecord> cycles, TuningsByNumber tunings)
     : cycles_(std::move(cycles)),
       tunings_(std::move(tunings)),
       mail_(std::make_unique<control_loop::Mailboxes>()),
@@ -67,7 +66,7 @@ bool Replay::hand_in(const control_loop::TickRecord& recorded) {
     const auto tunings = tunings_(recorded.tuning);
     if (!tunings)
       return fail("tuning " + std::to_string(recorded.tuning) + " of tick " + std::to_string(recorded.tick) +
-                  " is missing in the record");
+                  ' ' + tunings.error());
     mail_->torque_tunings.writer() = tunings->torque;
     mail_->torque_tunings.publish();
     torque_tuning_ = recorded.tuning;
@@ -105,7 +104,7 @@ bool Replay::run_cycle(const control_loop::CycleRecord& recorded) {
     const auto tunings = tunings_(recorded.tuning);
     if (!tunings)
       return fail("tuning " + std::to_string(recorded.tuning) + " of solve " +
-                  std::to_string(recorded.cycle) + " is missing in the record");
+                  std::to_string(recorded.cycle) + ' ' + tunings.error());
     planner_->tune(tunings->planner);
   }
   auto plan = std::make_unique<control::Plan>();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <expected>
 #include <functional>
 #include <map>
 #include <memory>
@@ -24,6 +25,8 @@ struct Tunings {
   control_loop::PlannerTuning planner;
 };
 
+using TuningsByNumber = std::function<std::expected<Tunings, std::string>(std::uint32_t number)>;
+
 /// Result of a replay.
 struct Outcome {
   std::uint64_t ticks = 0;   ///< number of equal ticks
@@ -38,9 +41,9 @@ struct Outcome {
 class Replay {
  public:
   /// @param cycles   all solves of the run, in order
-  /// @param tunings  live tunables by their number; nothing when the record lacks them
-  Replay(std::vector<control_loop::CycleRecord> cycles,
-         std::function<std::optional<Tunings>(std::uint32_t number)> tunings);
+  /// @param tunings  live tunables by their number, or why they cannot be had: the end of a sentence that
+  ///                 begins with them
+  Replay(std::vector<control_loop::CycleRecord> cycles, TuningsByNumber tunings);
 
   /// Configure it as in the run before the first tick.
   [[nodiscard]] control_loop::ControlLoop& loop() { return *loop_; }
@@ -61,7 +64,7 @@ class Replay {
 
   std::vector<control_loop::CycleRecord> cycles_;
   std::size_t next_cycle_ = 0;
-  std::function<std::optional<Tunings>(std::uint32_t)> tunings_;
+  TuningsByNumber tunings_;
   RecordedRobot robot_;
   std::unique_ptr<control_loop::Mailboxes> mail_;
   std::unique_ptr<control_loop::ControlLoop> loop_;

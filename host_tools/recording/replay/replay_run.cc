@@ -1,8 +1,9 @@
 #include "host_tools/recording/replay/replay_run.h"
 
 #include <algorithm>
+#include <expected>
 #include <memory>
-#include <optional>
+#include <string>
 
 #include "firmware/configuration/configuration.h"
 #include "firmware/configuration/live.h"
@@ -23,15 +24,20 @@ class TuningsOf {
         robot_(&robots::find(configuration.hardware.robot).value()->model),
         work_(std::make_unique<sqp::TerminalCostWorkspace>()) {}
 
-  /// Nothing when the record lacks them, or when this program has other tunables.
-  [[nodiscard]] std::optional<Tunings> operator()(std::uint32_t number) const {
+  [[nodiscard]] std::expected<Tunings, std::string> operator()(std::uint32_t number) const {
     const auto values = run_.tunings.find(number);
-    if (values == run_.tunings.end() || !same_tunables()) return std::nullopt;
+    if (values == run_.tunings.end()) return std::unexpected("is missing in the record");
+    if (!same_tunables()) {
+      return std::unexpected("is of a program with other live tunables; replay it with stilt of " +
+                             run_.build);
+    }
     Tunings tunings;
     const configuration::Configuration changed =
         configuration::with_live_values(configuration_, values->second);
     const auto status = control::prepare_settings(*robot_, changed, *work_, tunings.planner.settings);
-    if (status != control::ConfigureStatus::ok) return std::nullopt;
+    if (status != control::ConfigureStatus::ok) {
+      return std::unexpected("is refused by this program");
+    }
     tunings.torque = {number, tunings.planner.settings.parameters.torque_law};
     tunings.planner.number = number;
     return tunings;

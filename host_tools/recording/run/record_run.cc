@@ -9,6 +9,7 @@
 #include "firmware/telemetry/cdr.h"
 #include "firmware/telemetry/topics.h"
 #include "host_tools/recording/mcap/reader.h"
+#include "host_tools/recording/record/record_version.h"
 #include "host_tools/recording/record/recorder.h"
 #include "host_tools/recording/replay/record_file.h"
 #include "host_tools/recording/run/plan_track.h"
@@ -85,7 +86,7 @@ RecordRun run_of_record(const std::string& path) {
   const auto recorded = std::ranges::max_element(
       contents.runs, {}, [](const replay::RecordedRun& run) { return run.ticks.count(); });
   if (recorded == contents.runs.end() || recorded->ticks.empty()) {
-    throw std::runtime_error(path + ": holds no ticks of stiltd; name a record of stilt record");
+    throw std::runtime_error(without_ticks(path, contents.problems));
   }
   if (!recorded->configured) {
     throw std::runtime_error(path + ": lacks the configuration of its run; record from before stiltd ends");
@@ -95,6 +96,10 @@ RecordRun run_of_record(const std::string& path) {
   result.robot = robot_of(path, recorded->robot);
   result.runs = contents.runs.size();
   result.problems = contents.problems;
+  const auto& gaps = recorded->ticks.gaps();
+  if (std::ranges::any_of(gaps, [](const TickLedger::Gap& gap) { return gap.first > 0; })) {
+    result.problems.push_back(path + ": " + recorded->ticks.text() + "; lines of plots go straight across");
+  }
   log::RunRecord& run = result.run;
   run.command_line = path + ", recorded from stiltd " + recorded->build;
   run.controller.emplace();

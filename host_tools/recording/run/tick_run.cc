@@ -9,14 +9,16 @@ namespace {
 constexpr std::uint64_t kTicksPerSample = 5;
 constexpr double kPlannedStance_N = 100.0;  // stands for the force of a foot that is planned to stand
 
-/// Forces from which touch-downs are found.
-model::FeetVector forces_for_steps(const log::RunSample& sample,
-                                   const std::optional<PlanTrack::Point>& plan) {
+/// Forces from which touch-downs are found: measured ones, else those of the plan's contacts. Nothing without
+/// either.
+std::optional<model::FeetVector> forces_for_steps(const log::RunSample& sample,
+                                                  const std::optional<PlanTrack::Point>& plan) {
   model::FeetVector forces = sample.contact_force_N;
   forces[0] = forces[2] = 0.0;
   if (std::isfinite(forces[1]) && std::isfinite(forces[3])) return forces;
-  forces[1] = !plan || plan->mode.left ? kPlannedStance_N : 0.0;
-  forces[3] = !plan || plan->mode.right ? kPlannedStance_N : 0.0;
+  if (!plan) return std::nullopt;
+  forces[1] = plan->mode.left ? kPlannedStance_N : 0.0;
+  forces[3] = plan->mode.right ? kPlannedStance_N : 0.0;
   return forces;
 }
 
@@ -39,7 +41,11 @@ void TickRun::add(const control_loop::TickRecord& tick) {
   const auto plan = tick.plan_sequence >= 0 ? plans_.at(time_s) : std::nullopt;
   log::RunSample sample = sample_of(time_s, tick, plan);
   note(time_s, tick, sample);
-  steps_.update(time_s, forces_for_steps(sample, plan), sample.foot_position_m, sample.estimated_state[0]);
+  if (const auto forces_N = forces_for_steps(sample, plan)) {
+    steps_.update(time_s, *forces_N, sample.foot_position_m, sample.estimated_state[0]);
+  } else {
+    steps_.forget_swings();
+  }
   if (run_.samples.empty() || tick.tick % kTicksPerSample == 0) run_.samples.push_back(std::move(sample));
 }
 

@@ -16,6 +16,9 @@ class StepDetector {
   void update(double time_s, const model::FeetVector& contact_force_N,
               const model::FeetVector& foot_position_m, double hip_x_m);
 
+  /// Nothing is known of the feet at this tick: a swing that was on counts no more.
+  void forget_swings() { airborne_since_s_.fill(-1.0); }
+
   [[nodiscard]] const std::vector<log::Step>& steps() const { return steps_; }
 
  private:

@@ -1,8 +1,10 @@
 #include "host_tools/recording/record/recorder.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <utility>
 
 #include "host_tools/recording/mcap/reader.h"
@@ -126,6 +128,36 @@ TEST(TopicNames, LoseThePrefixOfTheWireAndComeBack) {
     EXPECT_EQ(topic_of_record(topic_in_record(*topic)), topic);
   }
   EXPECT_EQ(topic_of_record("/somebody_elses"), nullptr);
+}
+
+/// A file that may not grow stands for a full disk.
+TEST(Recorder, TicksThatTheDiskDoesNotTakeAreNotCounted) {
+  const TemporaryFile file("full");
+  Recorder recorder(file.path(), options());
+  recorder.take(ticks_sample(7, 0, 20), 200);
+  recorder.flush();
+  recorder.take(ticks_sample(7, 20, 20), 300);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit full = {recorder.bytes(), before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+  EXPECT_THROW(recorder.flush(), std::runtime_error);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(recorder.runs().at(7).text(), "ticks 0 to 19, none missing");
+}
+
+TEST(Recorder, TicksCountOnceTheirChunkIsWritten) {
+  const TemporaryFile file("flushed");
+  Recorder recorder(file.path(), options());
+  recorder.take(ticks_sample(7, 0, 20), 200);
+  EXPECT_TRUE(recorder.runs().empty());
+  recorder.flush();
+  EXPECT_EQ(recorder.runs().at(7).text(), "ticks 0 to 19, none missing");
+  recorder.take(ticks_sample(7, 20, 20), 300);
+  recorder.take(configuration_sample(7, "a = 1\n"), 400);  // its attachments follow the messages so far
+  EXPECT_EQ(recorder.runs().at(7).text(), "ticks 0 to 39, none missing");
 }
 
 }  // namespace

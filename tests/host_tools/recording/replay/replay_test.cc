@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <expected>
 #include <functional>
+#include <string>
 #include <utility>
 
 #include "tests/firmware/supervisor/printers.h"
@@ -16,9 +18,10 @@ namespace {
 using control_loop::CycleRecord;
 using control_loop::TickRecord;
 
-std::optional<Tunings> recorded_tunings(std::uint32_t number) {
+std::expected<Tunings, std::string> recorded_tunings(std::uint32_t number) {
   const auto found = recorded_walk().tunings.find(number);
-  return found == recorded_walk().tunings.end() ? std::nullopt : std::optional(found->second);
+  if (found == recorded_walk().tunings.end()) return std::unexpected("is missing in the record");
+  return found->second;
 }
 
 Outcome replayed(const std::vector<TickRecord>& ticks, const std::vector<CycleRecord>& cycles,

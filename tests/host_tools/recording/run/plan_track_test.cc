@@ -4,6 +4,10 @@
 
 #include <vector>
 
+#include "host_tools/recording/run/tick_run.h"
+#include "tests/host_tools/recording/record_sample.h"
+#include "tests/robots.h"
+
 namespace stilt::record {
 namespace {
 
@@ -76,6 +80,31 @@ TEST(PlanTrack, AMessageWhoseSequencesDoNotFitItsCountIsLeftOut) {
   track.add(plan.message());
   EXPECT_TRUE(track.snapshots().empty());
   EXPECT_FALSE(track.at(1.1));
+}
+
+/// Touch-downs of a robot without foot sensors: the contacts of the plans in use. The left foot lifts 0.2 s
+/// after the start of the first plan, which is in use for 0.35 s.
+TEST(TickRun, AFootTouchesDownByAPlanAndNotByTheEndOfPlans) {
+  const auto steps = [](bool plans_end) {
+    PlanTrack track;
+    PlanMessage first(5.0, 0.0f), second(5.35, 0.35f);
+    track.add(first.message());
+    track.add(second.message());
+    log::RunRecord run;
+    run.controller.emplace();
+    TickRun ticks(testing_support::amber3m().constants, 0, track, run);
+    for (std::uint64_t number = 0; number < 500; ++number) {
+      control_loop::TickRecord tick = sample_tick(number);
+      tick.plan_sequence = number < 350 ? 1 : plans_end ? -1 : 2;
+      ticks.add(tick);
+    }
+    ticks.finish();
+    return run.summary.steps;
+  };
+  EXPECT_TRUE(steps(true).empty());
+  ASSERT_EQ(steps(false).size(), 1u);
+  EXPECT_EQ(steps(false)[0].foot, "L");
+  EXPECT_NEAR(steps(false)[0].time_s, 5.35, 1e-9);
 }
 
 }  // namespace

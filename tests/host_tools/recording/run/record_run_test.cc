@@ -95,13 +95,36 @@ TEST(RecordRun, AConfigurationOfAnotherReleaseIsReportedAndTheRunIsRead) {
       "gait.hops; the shipped files name every key; the run is read without its limits and settings");
 }
 
+TEST(RecordRun, TicksThatAreMissingInTheMiddleAreReported) {
+  const auto problems = [](std::uint64_t first, std::uint64_t second) {
+    const tests::OwnFolder folder;
+    const std::string file = folder.file("walk.mcap");
+    Recorder recorder(file, {});
+    recorder.take(configuration_sample(7, ""), 1);
+    recorder.take(ticks_sample(7, first, 50), 3);
+    recorder.take(ticks_sample(7, second, 50), 3);
+    recorder.close();
+    std::string text;
+    for (const std::string& problem : run_of_record(file).problems) text += problem.substr(file.size());
+    return text;
+  };
+  EXPECT_EQ(problems(0, 50), "");
+  EXPECT_EQ(problems(1000, 1050), "") << "the recorder came later";
+  EXPECT_EQ(problems(0, 2000), ": ticks 0 to 2049, missing: 50 to 1999; lines of plots go straight across");
+}
+
 TEST(RecordRun, WithoutTicksOrConfigurationItIsRefused) {
-  const auto complaint = [](const telemetry::Sample& sample) {
+  const auto complaint = [](const telemetry::Sample& sample, bool damaged = false) {
     const tests::OwnFolder folder;
     const std::string file = folder.file("part.mcap");
     Recorder recorder(file, {});
     recorder.take(sample, 1);
     recorder.close();
+    if (damaged) {
+      std::fstream bytes(file, std::ios::in | std::ios::out | std::ios::binary);
+      bytes.seekp(200);
+      bytes.put('\xff');
+    }
     try {
       static_cast<void>(run_of_record(file));
     } catch (const std::runtime_error& error) {
@@ -113,6 +136,8 @@ TEST(RecordRun, WithoutTicksOrConfigurationItIsRefused) {
             ": holds no ticks of stiltd; name a record of stilt record");
   EXPECT_EQ(complaint(ticks_sample(7, 0, 50)),
             ": lacks the configuration of its run; record from before stiltd ends");
+  const std::string damaged = complaint(ticks_sample(7, 0, 50), true);
+  EXPECT_TRUE(damaged.starts_with(": holds no ticks of stiltd that can be read: ")) << damaged;
 }
 
 }  // namespace
