@@ -85,6 +85,7 @@ std::expected<void, std::string> write_new(int descriptor, const path& file, con
   auto written = put(stream, next);
   const bool kept = keep_attributes(descriptor, file) && (!wait || fsync(descriptor) == 0);
   if (written && !kept) written = system_error();
+  if (!wait) static_cast<void>(sync_file_range(descriptor, 0, 0, SYNC_FILE_RANGE_WRITE));
   if (std::fclose(stream) != 0 && written) written = system_error();
   return written;
 }
@@ -138,6 +139,14 @@ std::expected<void, std::string> write_file(const std::string& name, const Piece
   if (written && std::rename(beside.c_str(), file.c_str()) != 0) written = system_error();
   if (!written) unlink(beside.c_str());
   return written;
+}
+
+bool wait_for_disk(const std::string& name) {
+  const int descriptor = open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool synced = fsync(descriptor) == 0;
+  close(descriptor);
+  return synced;
 }
 
 }  // namespace stilt::diagnostics

@@ -31,9 +31,13 @@ struct NamedFile {
 
 /// The same with a long text in pieces.
 /// @param next  gives the next piece, an empty one at the end
-/// @param wait  for the disk, which may take seconds; without, a loss of power soon after may lose the text
+/// @param wait  for the disk, which may take seconds. Without, the text is on its way there, and a loss of
+///              power within seconds may lose it
 [[nodiscard]] std::expected<void, std::string> write_file(const std::string& name,
                                                           const std::function<std::string_view()>& next,
                                                           bool wait = true);
+
+/// Waits until a file that was written is on the disk. False: the system gives an error.
+bool wait_for_disk(const std::string& name);
 
 }  // namespace stilt::diagnostics

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "firmware/diagnostics/output_file.h"
 #include "firmware/diagnostics/tick_csv.h"
 
 namespace stilt::program {
@@ -49,6 +50,7 @@ void BlackBoxFile::save() {
 std::expected<void, std::string> BlackBoxFile::finish() {
   save();
   if (!options_.black_box_file.empty() && state_.mail.black_box.cut_short()) write();
+  if (written_) static_cast<void>(diagnostics::wait_for_disk(options_.black_box_file));
   if (!complaint_.empty()) return std::unexpected(complaint_);
   return {};
 }

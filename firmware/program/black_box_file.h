@@ -22,8 +22,8 @@ class BlackBoxFile {
   /// again. Says so on standard error.
   void save();
 
-  /// The torque loop has ended: also what it had no time to finish. The error, one sentence for the user,
-  /// says that the fault with the hardest reaction is not in the file.
+  /// The torque loop has ended: also what it had no time to finish. Waits until the file is on the disk. The
+  /// error, one sentence for the user, says that the fault with the hardest reaction is not in the file.
   [[nodiscard]] std::expected<void, std::string> finish();
 
  private:

@@ -95,10 +95,14 @@ std::expected<void, std::string> check(const Network& network) {
   if (network.security_folder.empty()) return {};
   for (const char* name : kSecurityFiles) {
     const std::string path = network.security_folder + "/" + name;
-    if (!std::filesystem::is_regular_file(path)) {
-      return std::unexpected("telemetry.security_folder: " + path +
-                             " is missing; see docs/security.md on how to make the documents");
+    std::error_code error;
+    if (std::filesystem::is_regular_file(path, error)) continue;
+    if (error && error != std::errc::no_such_file_or_directory) {
+      return std::unexpected("telemetry.security_folder: " + path + " cannot be read (" + error.message() +
+                             "); give its folder to the user of this program");
     }
+    return std::unexpected("telemetry.security_folder: " + path +
+                           " is missing; see docs/security.md on how to make the documents");
   }
   return {};
 }

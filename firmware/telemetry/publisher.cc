@@ -117,7 +117,6 @@ struct PreviewNumbers {
 std::expected<Publisher, std::string> Publisher::open(const Participant& participant, std::uint64_t run_id) {
   Publisher made;
   made.run_id_ = run_id;
-  made.participant_ = participant.handle();
   std::string error;
   const bool opened = open_writer(participant, kTicks, made.ticks_, error) &&
                       open_writer(participant, kPlannerCycles, made.cycles_, error) &&
@@ -333,8 +332,15 @@ void Publisher::ticks(TickBatchBuilder& batch, const Drops& drops) {
   ticks_.write(batch.message());
 }
 
-void Publisher::flush(double longest_s) {
-  dds_wait_for_acks(participant_, DDS_SECS(1) * static_cast<std::int64_t>(std::ceil(longest_s)));
+bool Publisher::flush(double longest_s) {
+  using std::chrono::steady_clock;
+  const auto end = steady_clock::now() + std::chrono::duration<double>(longest_s);
+  const auto has_arrived = [&](const auto& writer) {
+    const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(end - steady_clock::now());
+    return writer.wait_for_acks(std::max(left, std::chrono::nanoseconds(0)));
+  };
+  return has_arrived(ticks_) && has_arrived(cycles_) && has_arrived(events_writer_) &&
+         has_arrived(configuration_) && has_arrived(tuning_) && has_arrived(replies_);
 }
 
 }  // namespace stilt::telemetry

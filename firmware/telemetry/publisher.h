@@ -65,15 +65,14 @@ class Publisher {
              const std::string& reason, double time_s);
   void ticks(TickBatchBuilder& batch, const Drops& drops);
 
-  /// Waits until subscribers have what was sent, at most so long.
-  void flush(double longest_s);
+  /// Waits until subscribers have what was sent, at most so long. False: one has not.
+  bool flush(double longest_s);
 
  private:
   void send(Event& event, const Drops& drops);
 
   std::uint64_t run_id_ = 0;
   std::uint64_t events_ = 0;
-  dds_entity_t participant_ = 0;
   Writer<TickBatch> ticks_;
   Writer<PlannerCycle> cycles_;
   Writer<Plan> plans_;

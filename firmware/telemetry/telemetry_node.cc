@@ -145,7 +145,7 @@ void TelemetryNode::send_supervisor() {
 void TelemetryNode::send_batch() {
   publisher_->ticks(batch_, drops());
   batch_.clear();
-  if (run_.lockstep && ++batches_ % kBatchesAhead == 0) publisher_->flush(kFlush_s);
+  if (run_.lockstep && ++batches_ % kBatchesAhead == 0) static_cast<void>(publisher_->flush(kFlush_s));
 }
 
 void TelemetryNode::tick(const control_loop::TickRecord& record) {
@@ -233,7 +233,7 @@ control_loop::OperatorCommand TelemetryNode::operate(const control_loop::Operato
 void TelemetryNode::flush() {
   if (batch_.size() > 0) send_batch();
   if (begun_) send_supervisor();
-  publisher_->flush(kFlush_s);
+  static_cast<void>(publisher_->flush(kFlush_s));
 }
 
 }  // namespace stilt::telemetry

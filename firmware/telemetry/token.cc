@@ -65,7 +65,8 @@ std::string held_by_another(const std::string& path, int lock) {
   number = number.substr(0, number.find('\n'));
   return "stiltd runs already with the token file " + path +
          (number.empty() ? "" : ", as process " + number) +
-         "; end it, or give this one a telemetry.domain of its own";
+         "; end it, or give this one a telemetry.domain of its own, and a telemetry.token_file where that is "
+         "set";
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <expected>
 #include <string>
 
@@ -18,6 +19,11 @@ class AnyWriter {
   /// Sends a message of the topic's type. Never waits for subscribers. False: Cyclone refused it.
   bool write(const void* message) { return dds_write(writer_.get(), message) == DDS_RETCODE_OK; }
 
+  /// Waits until the reliable subscribers have what was sent. False: not within that time.
+  [[nodiscard]] bool wait_for_acks(std::chrono::nanoseconds longest) const {
+    return dds_wait_for_acks(writer_.get(), longest.count()) == DDS_RETCODE_OK;
+  }
+
   /// Subscribers that are known now.
   [[nodiscard]] int subscribers() const;
 
@@ -33,6 +39,9 @@ class Writer {
   Writer() = default;
   explicit Writer(AnyWriter writer) : writer_(std::move(writer)) {}
   bool write(const T& message) { return writer_.write(&message); }
+  [[nodiscard]] bool wait_for_acks(std::chrono::nanoseconds longest) const {
+    return writer_.wait_for_acks(longest);
+  }
   [[nodiscard]] int subscribers() const { return writer_.subscribers(); }
 
  private:

@@ -61,11 +61,10 @@ CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
   monitor->add_option("--name", options.names,
                       "host name under which the page is opened, such as that of a reverse proxy; the "
                       "addresses of this machine, its name and that in .local are known");
-  CLI::Option* token = monitor->add_option("--token", options.token, "token of the run, for commands");
-  monitor
-      ->add_option("--token-file", options.token_file,
-                   "file with the token; default: the file that stiltd names, when it is readable")
-      ->excludes(token);
+  monitor->add_option(
+      "--token-file", options.token_file,
+      "file with the token of the run, for commands; default: the file that stiltd names, when "
+      "it is readable");
   monitor->add_flag("--terminal", options.terminal, "shows a summary on this terminal instead; q quits");
   monitor->add_flag("--no-browser", options.no_browser, "only prints the address");
   monitor
@@ -85,7 +84,8 @@ CLI::App* add_monitor_command(CLI::App& program, MonitorOptions& options) {
 
 int run_monitor(const MonitorOptions& options) {
   const monitor::Origins may_look = viewers_of(options.viewers);
-  const auto token = options.token_file.empty() ? options.token : telemetry::read_token(options.token_file);
+  std::expected<std::string, std::string> token;
+  if (!options.token_file.empty()) token = telemetry::read_token(options.token_file);
   if (!token) throw std::runtime_error(token.error());
   if (options.terminal) {  // commands nothing
     monitor::DdsSource source(options.network, *token);

@@ -14,7 +14,7 @@ struct MonitorOptions {
   std::string address = "127.0.0.1";
   int port = 8080;
   std::vector<std::string> names;  ///< further host names under which the page is opened
-  std::string token, token_file;
+  std::string token_file;
   std::string viewers = "any";  ///< web sites of Foxglove viewers: any, none, or origins separated by commas
   bool terminal = false;
   bool no_browser = false;

@@ -95,7 +95,7 @@ void remove_record(const std::string& file) {
 
 bool whole(const record::Recorder& recorder) {
   const auto& runs = recorder.runs();
-  return !runs.empty() &&
+  return !runs.empty() && recorder.problem().empty() &&
          std::ranges::all_of(runs, [](const auto& run) { return run.second.gaps().empty(); });
 }
 
@@ -146,7 +146,8 @@ CLI::App* add_record_command(CLI::App& program, RecordOptions& options) {
       "Start it before or soon after stiltd: it gets the last six seconds of ticks when it comes later, and "
       "stilt "
       "replay\nneeds them from the first one on.\n"
-      "Exit status: 0 done, 1 nothing was received or ticks are missing, 2 bad usage.");
+      "Exit status: 0 done, 1 nothing was received, ticks are missing or stiltd is of another release, 2 bad "
+      "usage.");
   return record;
 }
 
@@ -170,6 +171,9 @@ int run_record(const RecordOptions& options) {
   if (problem.empty() && recorder.messages() == 0) remove_record(options.out_file);
   const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
   if (options.json_file != "-") print(options, recorder, elapsed_s);
+  if (!recorder.problem().empty()) {
+    std::fprintf(stderr, "stilt: %s: %s\n", options.out_file.c_str(), recorder.problem().c_str());
+  }
   for (const std::string& urdf : missing) {
     std::fprintf(stderr, "stilt: %s: carries no URDF of its robot, and is replayed only where it is: %s\n",
                  options.out_file.c_str(), urdf.c_str());

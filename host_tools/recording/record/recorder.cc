@@ -1,7 +1,10 @@
 #include "host_tools/recording/record/recorder.h"
 
+#include <cstdio>
+
 #include "firmware/telemetry/topics.h"
 #include "host_tools/recording/schema/message_types.h"
+#include "host_tools/telemetry/wire_version.h"
 
 namespace stilt::record {
 namespace {
@@ -76,6 +79,11 @@ void Recorder::flush() {
 }
 
 void Recorder::keep_configuration(const telemetry::ActiveConfiguration& configuration, std::int64_t now_ns) {
+  if (const auto wrong = host_telemetry::wire_version_problem(configuration.wire_version)) {
+    char run[24];
+    std::snprintf(run, sizeof run, "%016llx", static_cast<unsigned long long>(configuration.run_id));
+    problem_ = std::string("run ") + run + " " + *wrong;
+  }
   writer_.attach({now_ns, configuration.start_time_ns, configuration_name(configuration.run_id),
                   "application/toml", configuration.configuration});
   const std::string robot = configuration.robot;

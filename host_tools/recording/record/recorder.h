@@ -44,6 +44,8 @@ class Recorder {
 
   [[nodiscard]] std::uint64_t messages() const { return writer_.statistics().messages; }
   [[nodiscard]] std::uint64_t bytes() const { return writer_.bytes_written(); }
+  /// Why this program cannot use what was recorded: a run with another wire version. Empty: it can.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
   /// Ticks of each run that are in the file.
   [[nodiscard]] const std::map<std::uint64_t, TickLedger>& runs() const { return runs_; }
 
@@ -62,6 +64,7 @@ class Recorder {
   };
   std::vector<Ticks> open_;  ///< ticks of the open chunk
   std::uint32_t plans_ = 0;  ///< number received
+  std::string problem_;
 };
 
 /// Name of a topic in a record: "/joint_states" for rt/joint_states.

@@ -1,6 +1,8 @@
 #include "firmware/program/black_box_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -12,6 +14,18 @@
 
 #include "tests/full_disk.h"
 #include "tests/own_folder.h"
+
+namespace {
+
+int syncs = 0;  ///< calls of fsync in this program
+
+}  // namespace
+
+/// In place of the C library's.
+extern "C" int fsync(int descriptor) {
+  ++syncs;
+  return static_cast<int>(syscall(SYS_fsync, descriptor));
+}
 
 namespace stilt::program {
 namespace {
@@ -76,6 +90,15 @@ TEST_F(BlackBoxFileTest, KeepsTheFirstOfEqualFaultsUntilAHarderOneComes) {
   happen(50, Reaction::sit);
   EXPECT_EQ(kept(), 30);
   EXPECT_TRUE(file_->finish());
+}
+
+/// The robot has fallen, and somebody pulls the battery.
+TEST_F(BlackBoxFileTest, TheEndWaitsForTheDiskAndAFaultDoesNot) {
+  const int before = syncs;
+  happen(10, Reaction::damp);
+  EXPECT_EQ(syncs, before);
+  EXPECT_TRUE(file_->finish());
+  EXPECT_EQ(syncs, before + 1);
 }
 
 TEST_F(BlackBoxFileTest, AFaultSoonAfterAnotherHasMoreThanASecondBeforeIt) {

@@ -56,6 +56,14 @@ TEST_F(PublisherTest, TimingHasEachNumberInItsField) {
   }
 }
 
+TEST_F(PublisherTest, AFlushEndsOnceSubscribersHaveWhatWasSent) {
+  EXPECT_TRUE(publisher.flush(1.0)) << "nobody subscribes";
+  static_cast<void>(one_sample(*participant, kEvents, [&] {
+    publisher.event({.kind = Kind::lost_stance, .time_s = 2.5}, {});
+    EXPECT_TRUE(publisher.flush(60.0));
+  }));
+}
+
 TEST_F(PublisherTest, AnEventOfAPoseAboveItsRangeHasTheUpperLimit) {
   const PoseMiss knee{.joint = 1, .value = 1.25, .lowest = 0.5, .highest = 0.9};
   const Sample sample = one_sample(*participant, kEvents, [&] {

@@ -210,12 +210,13 @@ class Launch(unittest.TestCase):
     def test_what_is_given_goes_to_stiltd_and_monitor(self):
         config = str(TREE / 'firmware/configuration/amber3m.toml')
         stiltd, monitor = self.commands(self.launched(config=config, domain='7', interface='eth0', peers='10.0.0.2',
-                                                      security_folder='/etc/stilt/security'))
+                                                      security_folder='/etc/stilt/security',
+                                                      monitor_security_folder='/etc/stilt/host'))
         for line in ('domain = 7', 'interface = "eth0"', 'peers = "10.0.0.2"',
                      'security_folder = "/etc/stilt/security"'):
             self.assertIn(f'\n{line}\n', self.printed(stiltd))
         self.assertEqual(monitor[3:], ['--domain', '7', '--interface', 'eth0', '--peers', '10.0.0.2',
-                                       '--security-folder', '/etc/stilt/security'])
+                                       '--security-folder', '/etc/stilt/host'])
 
 
 if __name__ == '__main__':

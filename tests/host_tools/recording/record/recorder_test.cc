@@ -1,13 +1,12 @@
 #include "host_tools/recording/record/recorder.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <utility>
 
 #include "host_tools/recording/mcap/reader.h"
+#include "tests/full_disk.h"
 #include "tests/host_tools/recording/mcap/sample_file.h"
 #include "tests/host_tools/recording/record_sample.h"
 #include "tests/independent_readers/run_reader.h"
@@ -130,6 +129,18 @@ TEST(TopicNames, LoseThePrefixOfTheWireAndComeBack) {
   EXPECT_EQ(topic_of_record("/somebody_elses"), nullptr);
 }
 
+TEST(Recorder, ARunOfAnotherWireVersionIsRecordedAndReported) {
+  const TemporaryFile file("version");
+  Recorder recorder(file.path(), options());
+  recorder.take(configuration_sample(7, ""), 100);
+  EXPECT_EQ(recorder.problem(), "");
+  recorder.take(configuration_sample(171, "", telemetry::kWireVersion + 1), 100);
+  EXPECT_EQ(
+      recorder.problem(),
+      "run 00000000000000ab has messages of wire version 4, but this stilt reads wire version 3; use the "
+      "stilt of the same release as stiltd");
+}
+
 /// A file that may not grow stands for a full disk.
 TEST(Recorder, TicksThatTheDiskDoesNotTakeAreNotCounted) {
   const TemporaryFile file("full");
@@ -137,14 +148,10 @@ TEST(Recorder, TicksThatTheDiskDoesNotTakeAreNotCounted) {
   recorder.take(ticks_sample(7, 0, 20), 200);
   recorder.flush();
   recorder.take(ticks_sample(7, 20, 20), 300);
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
-  const rlimit full = {recorder.bytes(), before.rlim_max};
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
-  EXPECT_THROW(recorder.flush(), std::runtime_error);
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
-  std::signal(SIGXFSZ, handler);
+  {
+    const tests::FullDisk disk(recorder.bytes());
+    EXPECT_THROW(recorder.flush(), std::runtime_error);
+  }
   EXPECT_EQ(recorder.runs().at(7).text(), "ticks 0 to 19, none missing");
 }
 

@@ -3,7 +3,7 @@
 // processors before them. With STILT_LIVE_REALTIME=1 they follow the clock, and late ticks are only reported.
 
 import assert from 'node:assert/strict';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
@@ -110,7 +110,9 @@ test('a tunable changes while the robot walks', async () => {
 });
 
 test('a wrong token is refused in words', async () => {
-  const other = startMonitor(['--token', 'a-guess']);
+  const guess = join(folder, 'guess');
+  writeFileSync(guess, 'a-guess-of-a-token', { mode: 0o600 });
+  const other = startMonitor(['--token-file', guess]);
   const [url] = await other.wrote(/http:\S+/);
   const intruder = await openPage(browser, url);
   await until('live data', async () => (await intruder.textContent('#link-status')).startsWith('live'));
