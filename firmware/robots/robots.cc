@@ -157,4 +157,10 @@ std::expected<const Robot*, std::string> keep(std::string_view name, std::string
   return registry().keep(name, urdf);
 }
 
+std::expected<const Robot*, std::string> of_run(std::string_view name, std::string_view urdf) {
+  const bool is_shipped =
+      std::ranges::find(shipped_urdfs(), name, &ShippedUrdf::name) != shipped_urdfs().end();
+  return is_shipped || urdf.empty() ? find(name) : keep(name, urdf);
+}
+
 }  // namespace stilt::robots

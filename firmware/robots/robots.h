@@ -46,6 +46,11 @@ struct Robot {
 /// records, which carry the URDF. Earlier pointers stay valid. Otherwise like find().
 [[nodiscard]] std::expected<const Robot*, std::string> keep(std::string_view name, std::string_view urdf);
 
+/// The robot of a run, by its name and its description as the run's messages carry them: that of the
+/// description, as of keep(). A shipped robot is the shipped one. Otherwise, and without a description, like
+/// find().
+[[nodiscard]] std::expected<const Robot*, std::string> of_run(std::string_view name, std::string_view urdf);
+
 /// A robot from the text of a URDF; `name` is its name and begins the error. Its constants have no name.
 [[nodiscard]] std::expected<Robot, std::string> parse(std::string_view name, std::string_view urdf);
 

@@ -1,11 +1,13 @@
 #include "firmware/telemetry/publisher.h"
 
+#include <algorithm>
 #include <array>
-#include <cmath>
+#include <chrono>
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
 #include "firmware/diagnostics/event_text.h"
+#include "firmware/robots/robots.h"
 #include "firmware/telemetry/cycle_message.h"
 #include "firmware/telemetry/histogram_message.h"
 #include "firmware/telemetry/secret.h"
@@ -135,6 +137,8 @@ void Publisher::configuration(const configuration::Configuration& configuration,
                               const Tuner& tuner, const WallTime& time) {
   RunDescription texts = run;
   std::string robot = configuration.hardware.robot;
+  const auto description = robots::find(robot);
+  std::string urdf = description ? (*description)->urdf : "";
   std::string toml =
       configuration::to_toml(configuration, "Active configuration, from " + run.configuration_source + ".");
   std::vector<std::array<std::string, 3>> words;
@@ -164,6 +168,7 @@ void Publisher::configuration(const configuration::Configuration& configuration,
   set_view(message.token_file, texts.token_file);
   set_view(message.tunables, tunables);
   message.wire_version = kWireVersion;
+  set_view(message.urdf, urdf);
   configuration_.write(message);
 }
 

@@ -20,7 +20,7 @@ inline constexpr TypeHash kTypeHashes[] = {
     {"sensor_msgs/msg/JointState", "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"},
     {"stilt_msgs/msg/Command", "RIHS01_cc05d4c7fc65e8842bd2b1b850e763bb9054361f1704cd93053723a788438a91"},
     {"stilt_msgs/msg/CommandReply", "RIHS01_039d8de3c398952748b7d1355ef02a49e492c8b741b7dcaad01a0ab98e13714a"},
-    {"stilt_msgs/msg/Configuration", "RIHS01_8e3cbddb6bb45d84772e7df1326bee88d7d0749bf5e06a91bf6cc2f2494492da"},
+    {"stilt_msgs/msg/Configuration", "RIHS01_8836ce213b01c93373b077644eafd33024d0d773f3b45e003dba731f684b064f"},
     {"stilt_msgs/msg/Event", "RIHS01_22a245fb42beccad14c5c602c46dd036f54e7ce8e1bba882aa5ea95292867fc2"},
     {"stilt_msgs/msg/Plan", "RIHS01_9160ba77f0d7f8c437a23eadb9a19cf61001c094fb49e0f5784c0b6a6260454b"},
     {"stilt_msgs/msg/PlannerCycle", "RIHS01_41c75f40dc222eef706d2fc92edf7504db5a45627348c545258ac1843e94a5b2"},

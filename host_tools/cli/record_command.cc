@@ -7,12 +7,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 
-#include "firmware/robots/robots.h"
 #include "host_tools/cli/check_duration.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/network_options.h"
@@ -51,16 +49,10 @@ std::int64_t time_of_day_ns() {
       .count();
 }
 
-/// @param missing  gets a sentence for each robot whose URDF is not found here
-record::Recorder::Options recorder_options(const RecordOptions& options, std::set<std::string>& missing) {
+record::Recorder::Options recorder_options(const RecordOptions& options) {
   record::Recorder::Options how;
   how.compression = mcap::compression_named(options.compression == "none" ? "" : options.compression);
   if (how.compression == mcap::Compression::lz4) how.level = 0;
-  how.urdf = [&missing](const std::string& robot) {
-    const auto found = robots::find(robot);
-    if (!found) missing.insert(found.error());
-    return found ? (*found)->urdf : std::string();
-  };
   return how;
 }
 
@@ -158,8 +150,7 @@ int run_record(const RecordOptions& options) {
   mcap::OutputFile::require_new(options.out_file);
   const telemetry::Participant participant = host_telemetry::join(options.network);
   host_telemetry::Listener listener(participant, record::Recorder::topics(), kKeeps);
-  std::set<std::string> missing;
-  record::Recorder recorder(options.out_file, recorder_options(options, missing));
+  record::Recorder recorder(options.out_file, recorder_options(options));
   catch_signals();
   const Clock::time_point start = Clock::now();
   std::string problem;
@@ -173,10 +164,6 @@ int run_record(const RecordOptions& options) {
   if (options.json_file != "-") print(options, recorder, elapsed_s);
   if (!recorder.problem().empty()) {
     std::fprintf(stderr, "stilt: %s: %s\n", options.out_file.c_str(), recorder.problem().c_str());
-  }
-  for (const std::string& urdf : missing) {
-    std::fprintf(stderr, "stilt: %s: carries no URDF of its robot, and is replayed only where it is: %s\n",
-                 options.out_file.c_str(), urdf.c_str());
   }
   write_each({[&] {
                 if (!options.json_file.empty())

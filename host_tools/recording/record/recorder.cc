@@ -87,7 +87,7 @@ void Recorder::keep_configuration(const telemetry::ActiveConfiguration& configur
   writer_.attach({now_ns, configuration.start_time_ns, configuration_name(configuration.run_id),
                   "application/toml", configuration.configuration});
   const std::string robot = configuration.robot;
-  const std::string urdf = options_.urdf ? options_.urdf(robot) : "";
+  const std::string urdf = configuration.urdf;
   if (!urdf.empty()) writer_.attach({now_ns, now_ns, robot + ".urdf", "application/xml", urdf});
   writer_.write_metadata({"stiltd",
                           {{"run_id", std::to_string(configuration.run_id)},

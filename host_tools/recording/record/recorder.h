@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <string>
 
@@ -23,8 +22,6 @@ class Recorder {
   struct Options {
     mcap::Compression compression = mcap::Compression::zstd;
     int level = 3;  ///< of the compression; lz4: 0 is the fastest
-    /// The URDF of a robot by its name, empty when there is none. May be left empty.
-    std::function<std::string(const std::string& robot)> urdf;
   };
 
   /// The topics that are recorded.

@@ -9,7 +9,6 @@
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/topics.h"
 #include "host_tools/recording/mcap/reader.h"
-#include "host_tools/recording/record/attached_robots.h"
 #include "host_tools/recording/record/record_version.h"
 #include "host_tools/recording/record/recorder.h"
 
@@ -39,6 +38,7 @@ RecordedRun& run_of(RecordContents& contents, std::uint64_t number) {
 void take_configuration(const ActiveConfiguration& message, RecordedRun& run) {
   run.configured = true;
   run.robot = message.robot;
+  run.urdf = message.urdf;
   run.configuration = message.configuration;
   run.build = std::string(message.version) + ", " + message.compiler + ", " + message.instruction_set;
   run.tunables.clear();
@@ -74,9 +74,6 @@ RecordContents read_contents(const std::string& path) {
     take(*read, contents);
   }
   contents.problems = reader.problems();
-  for (std::string& problem : record::keep_attached_robots(path, reader.attachments())) {
-    contents.problems.push_back(std::move(problem));
-  }
   return contents;
 }
 

@@ -21,6 +21,7 @@ struct RecordedRun {
   std::uint64_t number = 0;
   bool configured = false;  ///< whether the record has its configuration and the fields below
   std::string robot;
+  std::string urdf;                   ///< text of its description
   std::string configuration;          ///< TOML
   std::string build;                  ///< version, compiler, instruction set
   std::vector<std::string> tunables;  ///< keys, in the order of the values of tunings
@@ -35,9 +36,8 @@ struct RecordContents {
   std::vector<std::string> problems;  ///< of the file, one sentence each
 };
 
-/// Reads a record without its ticks. From then on robots::find() gives the robots whose URDF is attached
-/// (record/attached_robots.h). Throws std::runtime_error, one sentence, when the file is not a
-/// record, or has messages of another wire version.
+/// Reads a record without its ticks. Throws std::runtime_error, one sentence, when the file is not a record,
+/// or has messages of another wire version.
 [[nodiscard]] RecordContents read_contents(const std::string& path);
 
 /// Names the configuration of a record in messages.

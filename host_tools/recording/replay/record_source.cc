@@ -7,7 +7,6 @@
 
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/topics.h"
-#include "host_tools/recording/record/attached_robots.h"
 #include "host_tools/recording/record/record_version.h"
 #include "host_tools/recording/record/recorder.h"
 
@@ -56,9 +55,6 @@ RecordSource::RecordSource(const std::string& path, std::function<Clock::time_po
   }
   length_s_ = all.due_s();
   problems_ = all.reader().problems();
-  for (std::string& problem : record::keep_attached_robots(path, all.reader().attachments())) {
-    problems_.push_back(std::move(problem));
-  }
 }
 
 /// Passes on what lasts of the messages that are due before skip_to_s_: the newest run and its settings, then

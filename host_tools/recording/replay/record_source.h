@@ -47,9 +47,8 @@ class RecordSource final : public monitor::SampleSource {
   /// Seconds of ticks before the time of play_from() that are passed on too.
   static constexpr double kBefore_s = 5.0;
 
-  /// From then on robots::find() gives the robots whose URDF is attached (record/attached_robots.h). Throws
-  /// std::runtime_error, one sentence, when the file is not a record, holds no ticks, or has messages of
-  /// another wire version.
+  /// Throws std::runtime_error, one sentence, when the file is not a record, holds no ticks, or has messages
+  /// of another wire version.
   /// @param now  clock of the playback
   explicit RecordSource(const std::string& path, std::function<Clock::time_point()> now = &Clock::now);
 

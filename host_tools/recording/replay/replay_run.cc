@@ -70,6 +70,9 @@ Outcome replay_run(const std::string& path, const RecordedRun& run,
   if (!run.configured) {
     return failed("its configuration is missing in the record; record from before stiltd ends");
   }
+  if (const auto robot = robots::of_run(run.robot, run.urdf); !robot) {
+    return failed("its robot's description is refused by this program: " + robot.error());
+  }
   const auto configuration = configuration_of(run);
   if (!configuration) return failed(configuration.error());
   const TuningsOf tunings(run, *configuration);

@@ -72,11 +72,13 @@ void add_solves(const replay::RecordedRun& recorded, log::RunRecord& run) {
   if (!run.solves.empty()) summary.sqp_iterations_mean = iterations / static_cast<double>(run.solves.size());
 }
 
-/// read_contents() keeps a robot whose URDF is attached.
-model::RobotConstants robot_of(const std::string& path, const std::string& name) {
-  const auto found = robots::find(name);
+model::RobotConstants robot_of(const std::string& path, const replay::RecordedRun& run) {
+  const auto found = robots::of_run(run.robot, run.urdf);
   if (found) return (*found)->model.constants;
-  throw std::runtime_error(path + ": the record has no URDF of its robot: " + found.error());
+  throw std::runtime_error(path +
+                           (run.urdf.empty() ? ": the record has no URDF of its robot: "
+                                             : ": the URDF of its robot is refused by this program: ") +
+                           found.error());
 }
 
 }  // namespace
@@ -93,7 +95,7 @@ RecordRun run_of_record(const std::string& path) {
   }
   const RunMessages messages = messages_of(path, recorded->number);
   RecordRun result;
-  result.robot = robot_of(path, recorded->robot);
+  result.robot = robot_of(path, *recorded);
   result.runs = contents.runs.size();
   result.problems = contents.problems;
   const auto& gaps = recorded->ticks.gaps();

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "firmware/robots/robots.h"
 #include "firmware/telemetry/tick_batch.h"
 #include "host_tools/telemetry/wire_version.h"
 #include "host_tools/web/monitor/message_samples.h"
@@ -141,6 +142,7 @@ void MessageDecoder::follow(const Run& run, SampleSink& sink) {
   run_id_ = message->run_id;
   run_start_ns_ = message->start_time_ns;
   clock_start_ns_ = message->start_clock_ns;
+  static_cast<void>(robots::of_run(message->robot, message->urdf));  // for drawing; its file may be elsewhere
   configuration_ = configuration_sample(*message);
   configuration_.run_id = run_text(run_id_);
   const auto tuning = run.tuning;

@@ -35,8 +35,8 @@ inline telemetry::Sample ticks_sample(std::uint64_t run_id, std::uint64_t first,
 
 inline telemetry::Sample configuration_sample(std::uint64_t run_id, std::string toml,
                                               std::uint32_t wire_version = telemetry::kWireVersion,
-                                              std::string robot = "amber3m",
-                                              std::int64_t start_clock_ns = 0) {
+                                              std::string robot = "amber3m", std::int64_t start_clock_ns = 0,
+                                              std::string urdf = "") {
   std::string version = "9.9", other = "x";
   telemetry::ActiveConfiguration message{};
   message.run_id = run_id;
@@ -48,6 +48,7 @@ inline telemetry::Sample configuration_sample(std::uint64_t run_id, std::string 
   }
   message.wire_version = wire_version;
   message.start_clock_ns = start_clock_ns;
+  message.urdf = urdf.data();
   return {&telemetry::kConfiguration, 2'000, 1, telemetry::encode(message)};
 }
 

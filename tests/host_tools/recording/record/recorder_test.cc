@@ -17,12 +17,6 @@ namespace {
 using mcap::TemporaryFile;
 using Json = nlohmann::json;
 
-Recorder::Options options() {
-  Recorder::Options options;
-  options.urdf = [](const std::string& robot) { return "<robot name=\"" + robot + "\"/>"; };
-  return options;
-}
-
 const Json& channel_of(const Json& found, const std::string& topic) {
   for (const Json& channel : found["channels"]) {
     if (channel["topic"] == topic) return channel;
@@ -33,8 +27,10 @@ const Json& channel_of(const Json& found, const std::string& topic) {
 TEST(Recorder, WhatItWroteIsReadByOthers) {
   const TemporaryFile file("recorder");
   {
-    Recorder recorder(file.path(), options());
-    recorder.take(configuration_sample(7, "a = 1\n"), 100);
+    Recorder recorder(file.path(), {});
+    recorder.take(configuration_sample(7, "a = 1\n", telemetry::kWireVersion, "amber3m", 0,
+                                       "<robot name=\"amber3m\"/>"),
+                  100);
     recorder.take(ticks_sample(7, 0, 20), 200);
     recorder.take(ticks_sample(7, 20, 20), 300);
     recorder.take(event_sample(7, "the robot walks"), 400);
@@ -64,7 +60,7 @@ TEST(Recorder, BytesAreKeptAsTheyCame) {
   const TemporaryFile file("bytes");
   const telemetry::Sample sample = ticks_sample(7, 0, 20);
   {
-    Recorder recorder(file.path(), options());
+    Recorder recorder(file.path(), {});
     recorder.take(sample, 200);
   }
   mcap::Reader reader(file.path());
@@ -81,7 +77,7 @@ TEST(Recorder, CommandsAreNotKeptForTheyHoldTheToken) {
   command.commander = name.data();
   command.key = key.data();
   {
-    Recorder recorder(file.path(), options());
+    Recorder recorder(file.path(), {});
     recorder.take({&telemetry::kCommands, 0, 1, telemetry::encode(command)}, 1);
     EXPECT_EQ(recorder.messages(), 0u);
   }
@@ -92,7 +88,7 @@ TEST(Recorder, CommandsAreNotKeptForTheyHoldTheToken) {
 
 TEST(Recorder, KeepsEveryThirdPlanForDrawing) {
   const TemporaryFile file("plans");
-  Recorder recorder(file.path(), options());
+  Recorder recorder(file.path(), {});
   telemetry::Plan plan{};
   for (int i = 0; i < 7; ++i) recorder.take({&telemetry::kPlans, 0, 1, telemetry::encode(plan)}, i);
   EXPECT_EQ(recorder.messages(), 3u);
@@ -100,7 +96,7 @@ TEST(Recorder, KeepsEveryThirdPlanForDrawing) {
 
 TEST(Recorder, KnowsWhichTicksAreMissingInWhichRun) {
   const TemporaryFile file("missing");
-  Recorder recorder(file.path(), options());
+  Recorder recorder(file.path(), {});
   recorder.take(ticks_sample(7, 0, 20), 1);
   recorder.take(ticks_sample(8, 100, 20), 2);
   recorder.take(ticks_sample(7, 40, 20), 3);
@@ -131,7 +127,7 @@ TEST(TopicNames, LoseThePrefixOfTheWireAndComeBack) {
 
 TEST(Recorder, ARunOfAnotherWireVersionIsRecordedAndReported) {
   const TemporaryFile file("version");
-  Recorder recorder(file.path(), options());
+  Recorder recorder(file.path(), {});
   recorder.take(configuration_sample(7, ""), 100);
   EXPECT_EQ(recorder.problem(), "");
   recorder.take(configuration_sample(171, "", telemetry::kWireVersion + 1), 100);
@@ -144,7 +140,7 @@ TEST(Recorder, ARunOfAnotherWireVersionIsRecordedAndReported) {
 /// A file that may not grow stands for a full disk.
 TEST(Recorder, TicksThatTheDiskDoesNotTakeAreNotCounted) {
   const TemporaryFile file("full");
-  Recorder recorder(file.path(), options());
+  Recorder recorder(file.path(), {});
   recorder.take(ticks_sample(7, 0, 20), 200);
   recorder.flush();
   recorder.take(ticks_sample(7, 20, 20), 300);
@@ -157,7 +153,7 @@ TEST(Recorder, TicksThatTheDiskDoesNotTakeAreNotCounted) {
 
 TEST(Recorder, TicksCountOnceTheirChunkIsWritten) {
   const TemporaryFile file("flushed");
-  Recorder recorder(file.path(), options());
+  Recorder recorder(file.path(), {});
   recorder.take(ticks_sample(7, 0, 20), 200);
   EXPECT_TRUE(recorder.runs().empty());
   recorder.flush();

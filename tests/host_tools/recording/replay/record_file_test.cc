@@ -48,7 +48,7 @@ telemetry::Sample batch_sample(std::uint64_t run_id, std::span<const control_loo
 
 /// What stiltd reports of itself, with the keys of its live tunables.
 telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration::Configuration& active,
-                                       const std::string& robot = "amber3m") {
+                                       const std::string& robot = "amber3m", const std::string& urdf = "") {
   std::string toml = configuration::to_toml(active, "");
   std::vector<std::string> keys;
   for (const auto& tunable : configuration::live_tunables(active)) keys.push_back(tunable.entry->name());
@@ -66,6 +66,7 @@ telemetry::Sample configuration_sample(std::uint64_t run_id, const configuration
   telemetry::set_view(message.token_file, "");
   telemetry::set_view(message.tunables, tunables);
   message.wire_version = telemetry::kWireVersion;
+  telemetry::set_view(message.urdf, urdf.c_str());
   return {&telemetry::kConfiguration, 0, 1, telemetry::encode(message)};
 }
 
@@ -180,8 +181,18 @@ TEST(ReplayRun, TheRecordedWalkComesOutTheSameWithItsTunings) {
   EXPECT_EQ(progress, (std::vector<std::uint64_t>{0, 1000, 2000, 3000}));
 }
 
+/// A run of the recorded walk in a record, and how its replay ends.
+Outcome replayed(const std::function<void(record::Recorder&)>& take_more) {
+  const mcap::TemporaryFile file("part");
+  {
+    record::Recorder recorder(file.path(), {});
+    take_more(recorder);
+  }
+  return replay_run(file.path(), read_contents(file.path()).runs.at(0));
+}
+
 /// The walk of a robot whose URDF file is gone: its description in the record gives every plan and torque.
-TEST(ReplayRun, ARobotOfAUrdfIsTheOneThatIsAttached) {
+TEST(ReplayRun, ARobotOfAUrdfIsTheOneThatWasRun) {
   const mcap::TemporaryFile file("attached");
   const std::string robot = file.path() + ".urdf";
   configuration::Configuration active = recorded_walk().configuration;
@@ -190,8 +201,8 @@ TEST(ReplayRun, ARobotOfAUrdfIsTheOneThatIsAttached) {
     file.set_bytes({});
     {
       const std::string urdf(shipped ? robots::shipped_urdfs().front().text : record::long_urdf());
-      record::Recorder recorder(file.path(), {.urdf = [&](const std::string&) { return urdf; }});
-      recorder.take(configuration_sample(kRun, active, robot), 1);
+      record::Recorder recorder(file.path(), {});
+      recorder.take(configuration_sample(kRun, active, robot, urdf), 1);
       for (const auto& [number, values] : recorded_walk().live_values) {
         recorder.take(tuning_sample(kRun, number, values), 1);
       }
@@ -203,26 +214,36 @@ TEST(ReplayRun, ARobotOfAUrdfIsTheOneThatIsAttached) {
   }
 }
 
-TEST(RecordFile, AnAttachedUrdfThatIsNoneIsAProblemOfTheFile) {
-  const mcap::TemporaryFile file("no_urdf");
-  {
-    record::Recorder recorder(file.path(), {.urdf = [](const std::string&) { return "none"; }});
-    recorder.take(configuration_sample(kRun, recorded_walk().configuration, "own.urdf"), 1);
-  }
-  const RecordContents contents = read_contents(file.path());
-  ASSERT_EQ(contents.problems.size(), 1u);
-  EXPECT_TRUE(contents.problems[0].starts_with(file.path() + ": the attached URDF is wrong: own.urdf: "))
-      << contents.problems[0];
-}
-
-/// A run of the recorded walk in a record, and how its replay ends.
-Outcome replayed(const std::function<void(record::Recorder&)>& take_more) {
-  const mcap::TemporaryFile file("part");
+/// The file was edited between two runs of one record.
+TEST(ReplayRun, EachRunHasItsOwnRobotOfOneName) {
+  const mcap::TemporaryFile file("edited");
+  const std::string robot = file.path() + ".urdf";
+  configuration::Configuration active = recorded_walk().configuration;
+  active.hardware.robot = robot;
   {
     record::Recorder recorder(file.path(), {});
-    take_more(recorder);
+    for (const std::uint64_t number : {kRun, kRun + 1}) {
+      const std::string urdf(number == kRun ? robots::shipped_urdfs().front().text : record::long_urdf());
+      recorder.take(configuration_sample(number, active, robot, urdf), 1);
+      for (const auto& [tuning, values] : recorded_walk().live_values) {
+        recorder.take(tuning_sample(number, tuning, values), 1);
+      }
+      take_run(recorder, number);
+    }
   }
-  return replay_run(file.path(), read_contents(file.path()).runs.at(0));
+  const RecordContents contents = read_contents(file.path());
+  ASSERT_EQ(contents.runs.size(), 2u);
+  EXPECT_FALSE(replay_run(file.path(), contents.runs[1]).reproduced());
+  EXPECT_TRUE(replay_run(file.path(), contents.runs[0]).reproduced());
+}
+
+TEST(ReplayRun, AUrdfThatIsNoneIsRefused) {
+  const auto& active = recorded_walk().configuration;
+  const std::string problem = replayed([&](auto& recorder) {
+                                recorder.take(configuration_sample(kRun, active, "own.urdf", "none"), 1);
+                              }).problem;
+  EXPECT_TRUE(problem.starts_with("its robot's description is refused by this program: own.urdf: "))
+      << problem;
 }
 
 TEST(ReplayRun, WhatTheRecordLacksIsReported) {

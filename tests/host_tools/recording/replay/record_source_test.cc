@@ -179,12 +179,13 @@ TEST(RecordSource, ARecordOfRelease01IsRefusedAtOnce) {
   EXPECT_THROW(RecordSource{file.path()}, std::runtime_error);
 }
 
-TEST(RecordSource, TheRobotIsTheOneThatIsAttached) {
+TEST(RecordSource, TheRobotIsTheOneThatWasRun) {
   const mcap::TemporaryFile file("robot");
   const std::string robot = file.path() + ".urdf";
   {
-    record::Recorder recorder(file.path(), {.urdf = [](const std::string&) { return record::long_urdf(); }});
-    recorder.take(record::configuration_sample(7, "", telemetry::kWireVersion, robot), 1);
+    record::Recorder recorder(file.path(), {});
+    recorder.take(record::configuration_sample(7, "", telemetry::kWireVersion, robot, 0, record::long_urdf()),
+                  1);
     recorder.take(record::ticks_sample(7, 0, 20), 2);
   }
   EXPECT_FALSE(robots::find(robot)) << "the test is of a robot that is not there";

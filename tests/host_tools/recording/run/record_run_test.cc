@@ -44,14 +44,14 @@ TEST(RecordRun, TheRunWithMostTicksIsTaken) {
 }
 
 /// A record of a URDF robot, whose file is another one by now or gone.
-TEST(RecordRun, TheRobotIsTheOneThatIsAttached) {
+TEST(RecordRun, TheRobotIsTheOneThatWasRun) {
   for (const bool gone : {true, false}) {
     const tests::OwnFolder folder;
     const std::string file = folder.file("walk.mcap");
     const std::string robot = folder.file(gone ? "gone.urdf" : "edited.urdf");
     if (!gone) std::ofstream(robot) << "edited";
-    Recorder recorder(file, {.urdf = [](const std::string&) { return long_urdf(); }});
-    recorder.take(configuration_sample(7, "", telemetry::kWireVersion, robot), 1);
+    Recorder recorder(file, {});
+    recorder.take(configuration_sample(7, "", telemetry::kWireVersion, robot, 0, long_urdf()), 1);
     recorder.take(ticks_sample(7, 0, 50), 3);
     recorder.close();
     const RecordRun found = run_of_record(file);

@@ -71,7 +71,7 @@ class Robots {
     message.wire_version = telemetry::kWireVersion;
     message.robot = robot;
     message.configuration = message.version = message.compiler = message.instruction_set = message.realtime =
-        empty;
+        message.urdf = empty;
     message.token_file = token_file.data();
     configurations_.write(&message);
   }

@@ -49,7 +49,7 @@ telemetry::Sample configuration(std::uint64_t run_id, std::int64_t start_time_ns
   message.start_clock_ns = 5'000'000'000;
   message.robot = robot;
   message.configuration = message.version = message.compiler = message.instruction_set = message.realtime =
-      empty;
+      message.urdf = empty;
   message.token_file = file;
   message.torque_rate_hz = 2000.0;
   message.plan_rate_hz = 400.0;
