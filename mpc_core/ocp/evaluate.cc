@@ -179,7 +179,7 @@ double terminal_cost(const ProblemData& data, const Problem& problem, const doub
 }  // namespace
 
 Merit evaluate(const ProblemData& data, const Problem& problem, const Trajectory& iterate) noexcept {
-  STILT_ASSERT(data.robot != nullptr && problem.batches > 0);
+  STILT_ASSERT(data.robot != nullptr && problem.batches + problem.transition_batches > 0);
   const BatchParameters parameters(data);
   const Barriers barriers(data.inequality);
   BatchMerit sums;
