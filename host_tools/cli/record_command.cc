@@ -91,7 +91,7 @@ bool whole(const record::Recorder& recorder) {
          std::ranges::all_of(runs, [](const auto& run) { return run.second.gaps().empty(); });
 }
 
-/// @param problem  why the record ended early; empty when it did not
+/// @param problem  why the record ended early, or is no use; empty when neither
 Json to_json(const record::Recorder& recorder, double elapsed_s, const std::string& problem) {
   Json json;
   json["duration_s"] = elapsed_s;
@@ -167,7 +167,8 @@ int run_record(const RecordOptions& options) {
   }
   write_each({[&] {
                 if (!options.json_file.empty())
-                  write_json(to_json(recorder, elapsed_s, problem), options.json_file);
+                  write_json(to_json(recorder, elapsed_s, problem.empty() ? recorder.problem() : problem),
+                             options.json_file);
               },
               [&] {
                 if (!problem.empty()) throw UsageError(problem);
