@@ -43,9 +43,9 @@ const Bytes kChannel1 = {1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};  // no
 
 /// A chunk of these records without times, check sum and compression.
 Bytes chunk_of(const Bytes& records) {
-  Bytes chunk(40);
+  Bytes chunk(40 + records.size());
   chunk[16] = chunk[32] = static_cast<std::uint8_t>(records.size());
-  chunk.insert(chunk.end(), records.begin(), records.end());
+  std::ranges::copy(records, chunk.begin() + 40);
   return chunk;
 }
 
@@ -180,13 +180,14 @@ TEST(Reader, WithoutTheChunkInWhichTheChannelsStandFirstTheLaterOnesAreRead) {
 /// Other programs may declare a channel once, in a chunk that is damaged.
 TEST(Reader, MessagesOfAnUnknownChannelAreReportedOnceAndLeaveTheOthersOfTheirChunk) {
   const TemporaryFile file("unknown");
-  Bytes records;
+  constexpr std::size_t kHead = 9, kBody = 22;  // operation and length; channel, number and times
+  Bytes records(4 * (kHead + kBody));
   for (std::uint8_t number = 0; number < 4; ++number) {
-    const std::uint8_t channel = number % 2 == 0 ? 2 : 1;
-    const Bytes message = {
-        static_cast<std::uint8_t>(Op::message), 22, 0, 0, 0, 0, 0, 0, 0, channel, 0, number};
-    records.insert(records.end(), message.begin(), message.end());
-    records.resize(records.size() + 19);
+    std::uint8_t* message = &records[number * (kHead + kBody)];
+    message[0] = static_cast<std::uint8_t>(Op::message);
+    message[1] = kBody;
+    message[kHead] = number % 2 == 0 ? 2 : 1;  // the channel
+    message[kHead + 2] = number;
   }
   file.set_bytes(file_of({{Op::channel, kChannel1}, {Op::chunk, chunk_of(records)}}));
   Reader reader(file.path());
