@@ -149,12 +149,13 @@ TEST_F(Kernels, WorkOfThePartsIsTheWorkOfTheWhole) {
 
   PlannerKernels kernels(*planner_);
   const auto expect_same = [](const ExecutedWork& sum, const ExecutedWork& whole, const char* phase) {
-    const auto near = [&](long long a, long long b) {
+    const auto near = [&](long long a, long long b, double share) {
       EXPECT_GT(b, 0) << phase;
-      EXPECT_NEAR(static_cast<double>(a), static_cast<double>(b), 0.005 * static_cast<double>(b)) << phase;
+      EXPECT_NEAR(static_cast<double>(a), static_cast<double>(b), share * static_cast<double>(b)) << phase;
     };
-    near(sum.flops, whole.flops);
-    near(sum.instructions, whole.instructions);
+    near(sum.flops, whole.flops, 0.005);
+    near(sum.instructions, whole.instructions,
+         0.01);  // with AVX-512 there are half as many, for the same loops
   };
   expect_same(work.linearise, count_work([&] { kernels.linearise(); }), "linearise");
   expect_same(work.evaluate, count_work([&] { kernels.evaluate(); }), "evaluate");

@@ -83,11 +83,12 @@ inline telemetry::Sample event_sample(std::uint64_t run_id, std::string text) {
 inline void write_record_of_0_1(const std::string& path) {
   const std::string type = "stilt_msgs/msg/Configuration";
   schema::MessageTypes types = schema::own_messages();
-  types.at(type).pop_back();
+  types.at(type).pop_back();  // urdf
+  types.at(type).pop_back();  // wire_version
   const telemetry::Sample sample = configuration_sample(7, "");
-  const mcap::Bytes body(
-      reinterpret_cast<const std::uint8_t*>(sample.cdr.data()),
-      reinterpret_cast<const std::uint8_t*>(sample.cdr.data() + sample.cdr.size()) - sizeof(std::uint32_t));
+  const mcap::Bytes body(reinterpret_cast<const std::uint8_t*>(sample.cdr.data()),
+                         reinterpret_cast<const std::uint8_t*>(sample.cdr.data() + sample.cdr.size()) -
+                             2 * sizeof(std::uint32_t) - 1);
   mcap::Writer writer(path);
   const std::uint16_t schema = writer.add_schema(type, "ros2msg", schema::ros2msg_text(types, type));
   const std::uint16_t channel = writer.add_channel(schema, "/stilt/configuration", "cdr");

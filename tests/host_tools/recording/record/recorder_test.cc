@@ -100,6 +100,7 @@ TEST(Recorder, KnowsWhichTicksAreMissingInWhichRun) {
   recorder.take(ticks_sample(7, 0, 20), 1);
   recorder.take(ticks_sample(8, 100, 20), 2);
   recorder.take(ticks_sample(7, 40, 20), 3);
+  recorder.flush();
   EXPECT_EQ(recorder.runs().at(7).text(), "ticks 0 to 59, missing: 20 to 39");
   EXPECT_EQ(recorder.runs().at(8).text(), "ticks 100 to 119, missing: 0 to 99");
 }
