@@ -294,8 +294,11 @@ class Records(unittest.TestCase):
         def without_version(topic, text, data):
             return text.replace('uint32 wire_version\n', ''), data
 
+        urdf = self.record.attachments['amber3m.urdf'].encode() + b'\0'
+        end = struct.pack('<I', len(urdf)) + urdf  # of the message; its version stands before
+
         def another_version(topic, text, data):
-            return text, data[:-4] + struct.pack('<I', 7) if topic == CONFIGURATION else data
+            return text, data.replace(struct.pack('<I', WIRE_VERSION) + end, struct.pack('<I', 7) + end)
 
         self.assertRegex(self.refusal(self.rewritten(without_version)), 'has the messages of release 0.1, but this '
                          f'package reads wire version {WIRE_VERSION}; use that of the release that recorded them$')
