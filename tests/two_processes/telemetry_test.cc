@@ -104,7 +104,8 @@ TEST(Telemetry, a_robot_walked_from_a_page_comes_to_a_stand_without_a_fault_when
   EXPECT_EQ(host.states, (std::vector{State::step, State::stand}));
   run.controller().signal(SIGTERM);
   run.expect_both_to_end();
-  for (const nlohmann::json& fault : run.controller_json().at("faults")) {
+  const nlohmann::json controller = run.controller_json();
+  for (const nlohmann::json& fault : controller.at("faults")) {
     EXPECT_EQ(fault.at("name"), "heartbeat_lost");
   }
 }
