@@ -284,7 +284,6 @@ void keep_torque_limit(Configuration& configuration) {
   supervisor::SupervisorParameters& supervisor = configuration.supervisor;
   double& scale = configuration.robot.torque_limit_scale;
   if (supervisor.torque_limit_share < 1.0) scale = std::min(scale, supervisor.torque_limit_share);
-  supervisor.plan_torque_share = scale;
   if (!supervisor::may_walk(supervisor)) configuration.gait.catch_falls = false;
 }
 

@@ -75,8 +75,10 @@ std::string shortest(double number) {
 
 /// The share of --torque-limit is one of the configured limit.
 void limit_torque(Options& options) {
-  options.configuration.supervisor.torque_limit_share *= options.torque_limit_share;
-  configuration::keep_torque_limit(options.configuration);
+  configuration::Configuration& configuration = options.configuration;
+  configuration.supervisor.torque_limit_share *= options.torque_limit_share;
+  configuration.supervisor.plan_torque_share = configuration.robot.torque_limit_scale;
+  configuration::keep_torque_limit(configuration);
   if (options.torque_limit_share == 1.0) return;
   options.source += ", --torque-limit " + shortest(options.torque_limit_share);
 }

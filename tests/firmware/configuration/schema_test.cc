@@ -46,7 +46,7 @@ Bytes bytes_of(const Entry& entry, const Parameters& parameters) {
 std::vector<Bytes> layout(const Parameters& parameters) {
   std::vector<Bytes> fields;
   for (const Entry& entry : entries()) fields.push_back(bytes_of(entry, parameters));
-  // No key of its own: keep_torque_limit() copies robot.torque_limit_scale.
+  // No key of its own: stiltd copies robot.torque_limit_scale.
   const auto begin = reinterpret_cast<const char*>(&parameters);
   const auto copied = reinterpret_cast<const char*>(&parameters.supervisor.plan_torque_share);
   fields.push_back(
