@@ -60,8 +60,7 @@ struct ShippedPreset {
 [[nodiscard]] Result load_file(const std::string& path, std::span<const Override> overrides = {},
                                std::string_view preset = {});
 
-/// Plans keep supervisor.torque_limit_share, too. A robot whose limit or plans have too little torque to step
-/// neither steps nor catches a fall by steps.
+/// Plans keep supervisor.torque_limit_share, too, and a robot that may not step catches no fall by steps.
 /// What runs a controller calls it after the last change; twice is as good as once.
 void keep_torque_limit(Configuration& configuration);
 
