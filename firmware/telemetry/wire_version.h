@@ -10,7 +10,7 @@ namespace stilt::telemetry {
 ///
 /// Every change raises the version. Fields are appended at the end of a message, and none is renamed. A
 /// reader skips bytes behind the fields that it has, so that its program can still name both versions. Where
-/// it has more fields than were sent, Cyclone drops the message. Why: docs/decisions/0009-telemetry.md.
+/// it has more fields than were sent, Cyclone drops the message.
 inline constexpr std::uint32_t kWireVersion = 3;
 
 }  // namespace stilt::telemetry

@@ -57,7 +57,7 @@ TEST_F(PublisherTest, TimingHasEachNumberInItsField) {
 }
 
 TEST_F(PublisherTest, AFlushEndsOnceSubscribersHaveWhatWasSent) {
-  EXPECT_TRUE(publisher.flush(1.0)) << "nobody subscribes";
+  EXPECT_TRUE(publisher.flush(1.0)) << "without subscribers";
   static_cast<void>(one_sample(*participant, kEvents, [&] {
     publisher.event({.kind = Kind::lost_stance, .time_s = 2.5}, {});
     EXPECT_TRUE(publisher.flush(60.0));
