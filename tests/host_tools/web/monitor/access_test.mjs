@@ -11,7 +11,7 @@ import { join } from 'node:path';
 import { test } from 'node:test';
 import { openPage, picture, Program, until } from './browser.mjs';
 import { qrCode, readQrCode, readQrPicture } from './qr_code.mjs';
-import { answer, browser, monitor, page, state, text } from './synthetic.mjs';
+import { answer, browser, monitor, page, press, state, text } from './synthetic.mjs';
 
 /** A page without the monitor's key: as if it were opened by the address alone. */
 async function pageWithoutKey() {
@@ -160,7 +160,7 @@ test('a page that is opened by its plain address later has the key, and a new li
 });
 
 test('stop of the open page and of a new one arrive among hundreds of silent connections', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await state('walk');
   const port = Number(new URL(monitor.url).port);
   const silent = [];

@@ -4,10 +4,10 @@
 import { test } from 'node:test';
 import { assertAccessible } from './accessibility.mjs';
 import { hipX, openPage, until } from './browser.mjs';
-import { answer, browser, monitor, page, state, text } from './synthetic.mjs';
+import { answer, browser, monitor, page, press, state, text } from './synthetic.mjs';
 
 test('no serious finding while the robot walks', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await until('motion', async () => (await hipX(page)) > 0.3);
   await assertAccessible(page, 'accessible_walking');
 });

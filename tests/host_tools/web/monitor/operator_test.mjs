@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { shownSpeed, until } from './browser.mjs';
 import { assertAccessible } from './accessibility.mjs';
-import { answer, monitor, page, state, text } from './synthetic.mjs';
+import { answer, forget, monitor, page, press, state, text } from './synthetic.mjs';
 
 const kA = 0, kB = 1, kX = 2, kY = 3, kLB = 4, kRB = 5;
 
@@ -22,7 +22,6 @@ async function hold(buttons, { forward = 0, mapping = 'standard' } = {}) {
 }
 
 const says = (pattern) => until(`words like ${pattern}`, async () => pattern.test(await text('#gamepad')));
-const forget = () => page.evaluate(() => { document.getElementById('answer').textContent = ''; });
 
 /** Walks by gamepad at the largest speed; LB stays held. */
 async function walk() {
@@ -68,7 +67,7 @@ test('without the enabling button a gamepad commands nothing', async () => {
 });
 
 test('stop needs no enabling button, not even of a gamepad that was not there before', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await state('walk');
   await hold([kB]);
   await answer(/stop: accepted/);
@@ -81,7 +80,7 @@ test('letting go of the enabling button stops what the gamepad moves, and nothin
   await hold([], { forward: 1 });
   await answer(/stop: accepted/);
   await state('stand');
-  await page.keyboard.press('t');
+  await press('t');
   await state('step');
   await forget();
   await hold([kLB]);
@@ -92,7 +91,7 @@ test('letting go of the enabling button stops what the gamepad moves, and nothin
 });
 
 test('letting go stops a robot whose speed the stick changed, whoever made it walk', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await state('walk');
   await hold([]);
   await hold([kLB], { forward: 1 });
@@ -129,7 +128,7 @@ test('buttons that are held when a gamepad appears command nothing', async () =>
 });
 
 test('each button of a gamepad without a known layout stops, and no more', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await state('walk');
   await hold([], { mapping: '' });
   await says(/has no layout for Test Pad, so each of its buttons stops/);
@@ -139,11 +138,6 @@ test('each button of a gamepad without a known layout stops, and no more', async
 });
 
 test('each key sends its command', async () => {
-  const press = async (key) => {
-    await forget();
-    await page.keyboard.press(key);
-    return until(`an answer to ${key}`, () => text('#answer'));
-  };
   for (const [key, command, after] of [['t', 'step', 'step'], ['w', 'walk at 0.50 m/s', 'walk'],
     ['ArrowUp', 'speed 0.55 m/s', 'walk'], ['ArrowDown', 'speed 0.50 m/s', 'walk'], ['W', 'walk at 0.50 m/s', 'walk'],
     ['+', 'hip height 0.790 m', 'walk'], ['-', 'hip height 0.780 m', 'walk'], ['s', 'stand', 'stand'], ['d', 'sit', 'stand']]) {
@@ -169,7 +163,7 @@ test('the keys are listed by a button and by ?, without covering stop', async ()
   assert.ok(await page.isHidden('#keys'));
   await page.keyboard.press('?');
   assert.ok(await page.isVisible('#keys'));
-  await page.keyboard.press('w');
+  await press('w');
   await state('walk');
   await page.keyboard.press('Escape');
   await state('stand');

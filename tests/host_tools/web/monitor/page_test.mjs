@@ -3,10 +3,10 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { firstMotion_ms, hipX, openPage, picture, pixels, shownSpeed, until } from './browser.mjs';
-import { answer, browser, monitor, page, state, text } from './synthetic.mjs';
+import { answer, browser, monitor, order, page, press, state, text } from './synthetic.mjs';
 
 test('a page that is opened while the robot walks shows it moving', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await state('walk');
   const another = await openPage(browser, monitor.url);
   console.log(`first moving frame ${await firstMotion_ms(another)} ms after opening`);
@@ -14,7 +14,7 @@ test('a page that is opened while the robot walks shows it moving', async () => 
 });
 
 test('a page that is opened during a walk draws the speed commanded before, and no height that it does not know', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await until('two metres', async () => (await hipX(page)) > 2);
   const another = await openPage(browser, monitor.url);
   const caption = (title) => another.textContent(`figure[data-title="${title}"] .legend.dashed b`);
@@ -32,7 +32,7 @@ test('walk from the keyboard moves the robot, its picture and the plots', async 
   const before = await pixels(page, '#stage-canvas');
   const plot = 'figure[data-title="Forward speed"]';
   const plotBefore = await pixels(page, `${plot} canvas`);
-  await page.keyboard.press('w');
+  await press('w');
   await answer(/walk at 0.50 m\/s: accepted/);
   await state('walk');
   await until('a metre', async () => (await hipX(page)) > from + 1);
@@ -45,7 +45,7 @@ test('walk from the keyboard moves the robot, its picture and the plots', async 
 });
 
 test('the speed slider changes the speed while walking', async () => {
-  await page.click('[data-command=walk]');
+  await order(() => page.click('[data-command=walk]'));
   await until('0.5 m/s', async () => Math.abs((await shownSpeed(page)) - 0.5) < 0.05);
   await page.fill('#speed', '0.3');
   await until('0.3 m/s', async () => Math.abs((await shownSpeed(page)) - 0.3) < 0.05);
@@ -71,7 +71,7 @@ test('slider and keys change the height of the hip', async () => {
 
 for (const key of ['Space', 'Escape']) {
   test(`${key} stops, even while something else has the focus`, async () => {
-    await page.keyboard.press('w');
+    await press('w');
     await state('walk');
     await page.focus('#tunable-filter');
     await page.keyboard.press(key);
@@ -89,7 +89,7 @@ test('a wrong token is refused in words, and the right one is not', async () => 
   await picture(page, 'wrong_token');
   assert.equal(await text('#state'), 'stand');
   await page.fill('#token', 'open-sesame');
-  await page.click('[data-command=walk]');
+  await order(() => page.click('[data-command=walk]'));
   await answer(/accepted/);
 });
 
@@ -107,7 +107,7 @@ test('a silent controller is shown at once, and the picture is marked as old', a
 });
 
 test('a walk that is pressed while the link stands still is refused when the link is back, and stop is not', async () => {
-  const press = async (key) => {
+  const pressInSilence = async (key) => {
     monitor.process.kill('SIGSTOP');
     try {
       await page.keyboard.press(key);
@@ -116,13 +116,13 @@ test('a walk that is pressed while the link stands still is refused when the lin
       monitor.process.kill('SIGCONT');
     }
   };
-  await press('w');
+  await pressInSilence('w');
   await answer(/walk at 0.50 m\/s: refused. The sender's data were [\d.]+ s old .*: look, then order again/);
   assert.equal(await text('#state'), 'stand');
   await until('live data', async () => /^live/.test(await text('#link-status')));
-  await page.keyboard.press('w');
+  await press('w');
   await state('walk');
-  await press('Escape');
+  await pressInSilence('Escape');
   await answer(/stop: accepted/);
 });
 
@@ -193,7 +193,7 @@ test('an emergency stop damps the joints for a time, then the motors are off', a
 });
 
 test('a robot that sits down because of a fault is not asked to stand, step or walk', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await state('walk');
   monitor.write('fault stale_plan');
   await until('the fault', () => text('.fault'));
@@ -245,7 +245,7 @@ test('every fault of the table leads to a plot in view, but for those that watch
 });
 
 test('a hundred events and a hundred keys per second hide neither the motion nor stop', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await state('walk');
   let sent = 0;
   const events = setInterval(() => monitor.write(`event glitch ${sent++}`), 10);
@@ -272,7 +272,7 @@ test('dropped ticks are counted', async () => {
 });
 
 test('another run is shown, and its plots begin anew', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await state('walk');
   monitor.write('run');
   await until('the note', async () => /Another run/.test(await text('#note')));
@@ -332,7 +332,7 @@ test('timing histograms show their deadline', async () => {
 });
 
 test('pause holds the picture and looks back, and pause again lets it go', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await until('motion', async () => (await hipX(page)) > 0.2);
   await page.click('#pause');
   const still = await until('a still picture', async () => {
@@ -353,7 +353,7 @@ test('pause holds the picture and looks back, and pause again lets it go', async
 });
 
 test('the bar of a live robot goes back as far as the page remembers, and who moves it pauses', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await until('motion', async () => (await hipX(page)) > 1);
   assert.equal(await text('#back-value'), 'live');
   await until('some seconds', async () => Number(await page.getAttribute('#back', 'min')) <= -2);
@@ -367,7 +367,7 @@ test('the bar of a live robot goes back as far as the page remembers, and who mo
 });
 
 test('dragging over a plot zooms only while paused, and a click there shows that moment', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await until('motion', async () => (await hipX(page)) > 0.5);
   const box = await page.locator('figure[data-title="Forward speed"] .u-over').boundingBox();
   const plot = 'figure[data-title="Height of the hip"] canvas';

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { hipX, pixels, until } from './browser.mjs';
-import { browser, page } from './synthetic.mjs';
+import { browser, page, press } from './synthetic.mjs';
 
 const kMu = 0.6;  // of the synthetic robot's configuration
 
@@ -34,7 +34,7 @@ function difference(content, type, alike) {
 
 /** Walks a little and pauses, so that the picture stands still. */
 async function walkAndPause() {
-  await page.keyboard.press('w');
+  await press('w');
   await until('motion', async () => (await hipX(page)) > 0.3);
   await page.keyboard.press('p');
   await until('a still picture', async () => {
@@ -151,7 +151,7 @@ test('a plot is saved as SVG, without the lines that are hidden', async () => {
 });
 
 test('a video of the stage is a WebM file that plays, and its button says that it films', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await until('motion', async () => (await hipX(page)) > 0.3);
   await page.click('#save-video');
   assert.equal(await page.getAttribute('#save-video', 'aria-pressed'), 'true');

@@ -3,14 +3,14 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { hipX, picture, pixels, until } from './browser.mjs';
-import { answer, monitor, page, state, text } from './synthetic.mjs';
+import { answer, monitor, page, press, state, text } from './synthetic.mjs';
 
 test('on a phone in the dark the stop button is in reach and nothing is wider than the screen', async () => {
   await page.evaluate(() => localStorage.setItem('theme', 'dark'));
   await page.setViewportSize({ width: 390, height: 844 });
   await page.reload();
   await until('the robot again', () => page.getAttribute('#stage-canvas', 'data-hip-x'));
-  await page.keyboard.press('w');
+  await press('w');
   await until('motion', async () => (await hipX(page)) > 0.3);
   const stop = await page.locator('#stop').boundingBox();
   assert.ok(stop.y > 700 && stop.y + stop.height <= 844 && stop.width > 300, JSON.stringify(stop));
@@ -74,7 +74,7 @@ test('on the narrowest phone everything fits, and each command and stop can be p
 });
 
 test('with a fault on the page the newest events stay in view', async () => {
-  await page.keyboard.press('w');
+  await press('w');
   await state('walk');
   monitor.write('fault driver_hot knee_L, 81 C');
   await until('the fault', async () => (await page.locator('.fault').count()) === 1);

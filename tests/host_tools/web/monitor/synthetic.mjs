@@ -30,3 +30,17 @@ afterEach(async () => {
 export const text = (selector) => page.textContent(selector);
 export const answer = (pattern) => until(`an answer like ${pattern}`, async () => pattern.test(await text('#answer')));
 export const state = (name) => until(`state ${name}`, async () => (await text('#state')) === name);
+export const forget = () => page.evaluate(() => { document.getElementById('answer').textContent = ''; });
+
+/** The answer to what `act` orders. Orders again, as the refusal asks for, what a busy machine delivered late. */
+export async function order(act) {
+  for (;;) {
+    await forget();
+    await act();
+    const said = await until('an answer', async () => (await text('#answer')).replace(/.*: no answer from the robot yet/, ''));
+    if (!/look, then order again|because the data are stale/.test(said)) return said;
+    await until('live data', async () => /^live/.test(await text('#link-status')));
+  }
+}
+
+export const press = (key) => order(() => page.keyboard.press(key));
