@@ -65,8 +65,8 @@ std::string hex(const Cdr& cdr) {
 
 /// Without the bytes that fill the sample up to a multiple of four; the header's last two bits count them.
 Cdr without_filling(Cdr cdr) {
-  const auto filling = static_cast<std::size_t>(cdr.at(3) & std::byte{3});
-  cdr.resize(cdr.size() - filling);
+  const int filling = std::to_integer<int>(cdr.at(3) & std::byte{3});
+  cdr.erase(cdr.end() - filling, cdr.end());
   cdr[3] = std::byte{0};
   return cdr;
 }
