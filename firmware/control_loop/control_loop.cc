@@ -80,7 +80,7 @@ void ControlLoop::tick(const TickTiming& timing, const model::StateVector* known
   const control::SensorReading reading = read(timing.now_ns);
   const PlanView plan = plan_at(reading.time_s);
   model::StateVector estimate = estimate_state(reading, plan, known_state);
-  const supervisor::Followable followable = track_gait(reading, plan, estimate);
+  const supervisor::Followable followable = track_gait(reading, plan);
   const supervisor::Observation seen = observe(timing, command, result, reading, plan, estimate, followable);
   const supervisor::SupervisorOutput& decision = supervise(seen, command, reading);
   if (decision.start_controller) estimate = begin_stance_episode(reading, known_state);
@@ -156,8 +156,8 @@ model::StateVector ControlLoop::estimate_state(const control::SensorReading& sen
 
 /// The gait keeps in step with a robot that steps, whatever commands it. It goes on until there is a plan
 /// with its foot on the ground, as long as plans come.
-supervisor::Followable ControlLoop::track_gait(const control::SensorReading& reading, const PlanView& plan,
-                                               const model::StateVector& estimate) noexcept {
+supervisor::Followable ControlLoop::track_gait(const control::SensorReading& reading,
+                                               const PlanView& plan) noexcept {
   const supervisor::SupervisorOutput& decision = supervisor_.output();
   const bool waits_for_plan = decision.state == State::stand && decision.level == FallbackLevel::gait &&
                               plan.use == supervisor::PlanUse::none && plan.age_s < supervision_.stale_plan_s;
@@ -166,7 +166,7 @@ supervisor::Followable ControlLoop::track_gait(const control::SensorReading& rea
     return {.plan = plan.use};
   }
   const model::ContactMode* planned = plan.use != supervisor::PlanUse::none ? &plan.point.mode : nullptr;
-  gait_.tick(reading, {planned, plan.age_s}, estimate, decision.gait.speed_m_s);
+  gait_.tick(reading, {planned, plan.age_s}, decision.gait.speed_m_s);
   return {.plan = plan.use, .gait = gait_.ready(), .gait_selected = gait_.selected()};
 }
 

@@ -81,8 +81,8 @@ class ControlLoop {
   [[nodiscard]] PlanView plan_at(double time_s) const noexcept;
   [[nodiscard]] model::StateVector estimate_state(const control::SensorReading& sensors, const PlanView& plan,
                                                   const model::StateVector* known_state) noexcept;
-  [[nodiscard]] supervisor::Followable track_gait(const control::SensorReading& reading, const PlanView& plan,
-                                                  const model::StateVector& estimate) noexcept;
+  [[nodiscard]] supervisor::Followable track_gait(const control::SensorReading& reading,
+                                                  const PlanView& plan) noexcept;
   [[nodiscard]] supervisor::Observation observe(const TickTiming& timing, const OperatorCommand& command,
                                                 const PlanningResult& result,
                                                 const control::SensorReading& reading, const PlanView& plan,

@@ -7,7 +7,6 @@ namespace stilt::control_loop {
 void GaitFallback::configure(const model::RobotModel& robot, const control::ControllerParameters& parameters,
                              const supervisor::SupervisorParameters& supervision,
                              const gait::GaitLibrary* library) noexcept {
-  robot_ = &robot;
   library_ = library;
   supervision_ = supervision;
   if (library_ != nullptr) tracker_.configure(robot, parameters.gait_tracker, parameters.robot, *library_);
@@ -25,13 +24,13 @@ model::ContactMode GaitFallback::contact() const noexcept {
 }
 
 void GaitFallback::tick(const control::SensorReading& reading, const Beside& plan,
-                        const model::StateVector& estimate, double speed_m_s) noexcept {
+                        double speed_m_s) noexcept {
   landed_ = false;
   if (library_ == nullptr) return;
   const bool led = plan.planned != nullptr && !selected_;
   if (led_ && !led && !selected_) tracker_.take_over();
   led_ = led;
-  if (led) look_for_touch_down(reading, *plan.planned, estimate, speed_m_s);
+  if (led) look_for_touch_down(reading.time_s, *plan.planned, speed_m_s);
   if (in_step_) command_ = tracker_.tick(reading, speed_m_s);
   const bool may_select =
       supervision_.select_gait && reading.time_s - stepping_since_s_ >= supervision_.select_gait_after_s;
@@ -49,16 +48,12 @@ bool GaitFallback::awaits_touch_down(const control::Plan& plan, double time_s,
 }
 
 /// A gait begins with one foot on the ground that was not there before; while both are, it waits.
-void GaitFallback::look_for_touch_down(const control::SensorReading& reading, model::ContactMode planned,
-                                       const model::StateVector& estimate, double speed_m_s) noexcept {
+void GaitFallback::look_for_touch_down(double time_s, model::ContactMode planned, double speed_m_s) noexcept {
   landed_ = planned.count() == 1 && !(planned == planned_);
   planned_ = planned;
   if (planned.count() != 1) in_step_ = false;
   if (!landed_) return;
-  const int stance = planned.left ? model::kLeft : model::kRight;
-  model::KinematicsTerms<double> feet;
-  robot_->kinematics(estimate.data(), feet);
-  tracker_.start(reading.time_s, stance, feet.foot_position[2 * stance], speed_m_s);
+  tracker_.start(time_s, planned.left ? model::kLeft : model::kRight, speed_m_s);
   in_step_ = true;
 }
 

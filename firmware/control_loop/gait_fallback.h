@@ -29,10 +29,8 @@ class GaitFallback {
   void forget(double time_s) noexcept;
 
   /// One tick of a robot that steps.
-  /// @param estimate   state to take the place of the stance foot from, see model/types.h
   /// @param speed_m_s  commanded; 0: in place
-  void tick(const control::SensorReading& reading, const Beside& plan, const model::StateVector& estimate,
-            double speed_m_s) noexcept;
+  void tick(const control::SensorReading& reading, const Beside& plan, double speed_m_s) noexcept;
 
   /// A stale plan is to be followed on, to its next touch-down, where the gait takes over. A robot that
   /// leaves the plan in the middle of a step is far from the gait.
@@ -55,10 +53,8 @@ class GaitFallback {
   [[nodiscard]] gait::TrackedStep step() const noexcept { return tracker_.step(); }
 
  private:
-  void look_for_touch_down(const control::SensorReading& reading, model::ContactMode planned,
-                           const model::StateVector& estimate, double speed_m_s) noexcept;
+  void look_for_touch_down(double time_s, model::ContactMode planned, double speed_m_s) noexcept;
 
-  const model::RobotModel* robot_ = nullptr;
   const gait::GaitLibrary* library_ = nullptr;
   supervisor::SupervisorParameters supervision_;
   control::GaitTracker tracker_;

@@ -34,11 +34,10 @@ void GaitTracker::configure(const model::RobotModel& robot, const GaitTrackerPar
   drive_ = drive_model(robot.constants, assumed);
 }
 
-void GaitTracker::start(double time_s, int stance, double foot_x_m, double speed_m_s) noexcept {
+void GaitTracker::start(double time_s, int stance, double speed_m_s) noexcept {
   STILT_ASSERT(robot_ != nullptr && (stance == 0 || stance == 1));
   stance_ = stance;
   touch_down_s_ = time_s;
-  foot_x_m_ = foot_x_m;
   shift_rad_ = 0.0;
   placed_ = false;
   library_->blend(speed_m_s, gait_);
@@ -58,7 +57,6 @@ GaitTracker::Sensed GaitTracker::sense(const SensorReading& reading) const noexc
     sensed.state[kPositions + i] = -feet.foot_velocity[2 * stance_ + i];
   }
   const int swing = 1 - stance_;
-  sensed.swing_foot_x_m = sensed.state[0] + feet.foot_position[2 * swing];
   sensed.swing_foot_z_m = sensed.state[1] + feet.foot_position[2 * swing + 1];
   return sensed;
 }
@@ -147,13 +145,11 @@ GaitTracker::Command GaitTracker::tick(const SensorReading& reading, double spee
   if (is_finite(reading)) {
     Sensed sensed = sense(reading);
     if (sensed.swing_foot_z_m <= 0.0 && phase(sensed, reading.time_s) > 0.5) {
-      start(reading.time_s, 1 - stance_, foot_x_m_ + sensed.swing_foot_x_m, speed_m_s);
+      start(reading.time_s, 1 - stance_, speed_m_s);
       sensed = sense(reading);
     }
     place_foot(sensed, reading.time_s);
     track(sensed, reading.time_s, command);
-    command.estimated_state = sensed.state;
-    command.estimated_state[0] += foot_x_m_;
     command.finite = command.torque_Nm.allFinite();
   }
   for (int j = 0; j < kJoints; ++j) {
@@ -162,10 +158,7 @@ GaitTracker::Command GaitTracker::tick(const SensorReading& reading, double spee
     const double torque_Nm = command.finite ? command.torque_Nm[j] : damping_Nm;
     command.torque_Nm[j] = drive_.limited_torque_Nm(j, torque_Nm, velocity);
   }
-  if (!command.finite) {
-    command.estimated_state.setConstant(std::numeric_limits<double>::quiet_NaN());
-    command.position_rad.setConstant(std::numeric_limits<double>::quiet_NaN());
-  }
+  if (!command.finite) command.position_rad.setConstant(std::numeric_limits<double>::quiet_NaN());
   return command;
 }
 

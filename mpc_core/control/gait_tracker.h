@@ -25,15 +25,13 @@ class GaitTracker {
   void configure(const model::RobotModel& robot, const GaitTrackerParameters& parameters,
                  const RobotParameters& assumed, const gait::GaitLibrary& library) noexcept;
 
-  /// Starts just after a touch-down of the foot `stance`, whose world position is x = foot_x_m.
-  void start(double time_s, int stance, double foot_x_m, double speed_m_s) noexcept;
+  /// Starts just after a touch-down of the foot `stance`.
+  void start(double time_s, int stance, double speed_m_s) noexcept;
 
   /// From the next tick on the robot follows this gait, and has followed something else before.
   void take_over() noexcept { lead_starts_ = true; }
 
   struct Command {
-    /// State of the base estimated from the stance foot; NaN when a reading is not finite.
-    model::StateVector estimated_state = model::StateVector::Zero();
     model::JointVector torque_Nm = model::JointVector::Zero();
     /// Joint angles y + e; NaN when a reading is not finite.
     model::JointVector position_rad = model::JointVector::Zero();
@@ -50,10 +48,9 @@ class GaitTracker {
   }
 
  private:
-  /// Positions and velocities with the stance foot at the origin, and the positions of both feet.
+  /// Positions and velocities with the stance foot at the origin.
   struct Sensed {
     model::StateVector state;  ///< as in model/types.h
-    double swing_foot_x_m;
     double swing_foot_z_m;
   };
   [[nodiscard]] Sensed sense(const SensorReading& reading) const noexcept;
@@ -80,7 +77,6 @@ class GaitTracker {
   gait::HzdGait gait_;
   int stance_ = model::kLeft;
   double touch_down_s_ = 0.0;
-  double foot_x_m_ = 0.0;
   double shift_rad_ = 0.0;
   bool placed_ = false;
   bool lead_starts_ = false;

@@ -50,7 +50,6 @@ TorqueCommand TorqueLaw::follow(const SensorReading& reading, const model::State
     const double damping_Nm = std::isfinite(velocity) ? -law_.joint_kd_Nms_rad * velocity : 0.0;
     const double wanted_Nm = command.finite ? command.torque_Nm[j] : damping_Nm;
     command.torque_Nm[j] = drive_.limited_torque_Nm(j, wanted_Nm, velocity);
-    if (command.torque_Nm[j] != wanted_Nm) command.saturated = true;
   }
   return command;
 }

@@ -9,8 +9,7 @@ namespace stilt::control {
 /// Joint torques of one tick, and how they were computed.
 struct TorqueCommand {
   model::JointVector torque_Nm = model::JointVector::Zero();
-  bool finite = false;     ///< false: the joints are damped
-  bool saturated = false;  ///< a joint is at its drive's limit
+  bool finite = false;  ///< false: the joints are damped
 };
 
 /// Joint torques that follow a plan at one instant:

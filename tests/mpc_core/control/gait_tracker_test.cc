@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string>
 
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "tests/robots.h"
@@ -14,7 +15,6 @@ namespace {
 
 using model::kFirstJoint;
 using model::kJoints;
-using model::kPositions;
 
 class Tracker : public testing::Test {
  protected:
@@ -44,21 +44,23 @@ class Tracker : public testing::Test {
   std::unique_ptr<GaitTracker> tracker_ = std::make_unique<GaitTracker>();
 };
 
-TEST_F(Tracker, OnTheGaitCommandsTheGaitsTorqueAndSeesTheBaseOverTheFoot) {
+/// Of most of these gaits the phase is the base over the stance foot.
+TEST_F(Tracker, OnTheGaitCommandsItsTorqueAndTheMotionOfItsJoints) {
   for (const double speed_m_s : {-0.3, 0.0, 0.5, 1.0}) {
     for (const int stance : {model::kLeft, model::kRight}) {
-      tracker_->start(0.0, stance, 2.0, speed_m_s);
+      tracker_->start(0.0, stance, speed_m_s);
       for (const double s : {0.1, 0.35, 0.6, 0.9}) {
         const gait::GaitPoint wanted = library_->motion_at(speed_m_s, s);
         const auto command = tracker_->tick(reading(speed_m_s, s, stance), speed_m_s);
         ASSERT_TRUE(command.finite);
         const int first = stance == model::kLeft ? 0 : 2;
         for (int i = 0; i < kJoints; ++i) {
-          EXPECT_NEAR(command.torque_Nm[(first + i) % kJoints], wanted.torque_Nm[i], 0.3)
-              << speed_m_s << " m/s, s " << s;
+          const int joint = (first + i) % kJoints;
+          const auto where = [&] { return std::to_string(speed_m_s) + " m/s, s " + std::to_string(s); };
+          EXPECT_NEAR(command.torque_Nm[joint], wanted.torque_Nm[i], 0.3) << where();
+          EXPECT_NEAR(command.position_rad[joint], wanted.position[kFirstJoint + i], 1e-5) << where();
+          EXPECT_NEAR(command.velocity_rad_s[joint], wanted.velocity[kFirstJoint + i], 1e-4) << where();
         }
-        EXPECT_NEAR(command.estimated_state[0], 2.0 + wanted.position[0], 1e-6);
-        EXPECT_NEAR(command.estimated_state[kPositions], wanted.velocity[0], 1e-4);
         EXPECT_EQ(tracker_->stance(), stance);
       }
     }
@@ -66,7 +68,7 @@ TEST_F(Tracker, OnTheGaitCommandsTheGaitsTorqueAndSeesTheBaseOverTheFoot) {
 }
 
 TEST_F(Tracker, PullsTheJointsBackInProportion) {
-  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  tracker_->start(0.0, model::kLeft, 0.0);
   SensorReading off = reading(0.0, 0.5, model::kLeft);
   const auto before = tracker_->tick(off, 0.0);
   off.joint_position_rad[2] += 0.01;  // the swing hip: no part in phase or base
@@ -93,7 +95,7 @@ TEST_F(Tracker, LeadsTheJointsFromWhatTheyDidToTheGait) {
   parameters_.settle_s = 0.5;  // no foot placement
   tracker_->configure(testing_support::amber3m(), parameters_, {}, *library_);
   const double step_time_s = library_->step_time_s();
-  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  tracker_->start(0.0, model::kLeft, 0.0);
   tracker_->take_over();
   auto before = tracker_->tick(off(0.1), 0.0);
   for (int j = 0; j < kJoints; ++j) {
@@ -111,7 +113,7 @@ TEST_F(Tracker, LeadsTheJointsFromWhatTheyDidToTheGait) {
   }
   GaitTracker gait;
   gait.configure(testing_support::amber3m(), parameters_, {}, *library_);
-  gait.start(0.0, model::kLeft, 0.0, 0.0);
+  gait.start(0.0, model::kLeft, 0.0);
   const auto led = tracker_->tick(off(0.85), 0.0);
   const auto alone = gait.tick(off(0.85), 0.0);
   EXPECT_EQ(led.position_rad, alone.position_rad);
@@ -125,12 +127,12 @@ TEST_F(Tracker, PlacesTheFootOnceInAStepAndAnewInEveryStep) {
     leaning.base_pitch_rad += 0.05;
     return tracker_->tick(leaning, 0.0).torque_Nm;
   };
-  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  tracker_->start(0.0, model::kLeft, 0.0);
   const model::JointVector placed_Nm = torque_of_a_lean_Nm();
-  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  tracker_->start(0.0, model::kLeft, 0.0);
   (void)tracker_->tick(reading(0.0, 0.1, model::kLeft), 0.0);  // on the gait: nothing to correct
   EXPECT_GT((placed_Nm - torque_of_a_lean_Nm()).cwiseAbs().maxCoeff(), 0.5) << "once in a step";
-  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  tracker_->start(0.0, model::kLeft, 0.0);
   EXPECT_EQ(torque_of_a_lean_Nm(), placed_Nm);
 }
 
@@ -138,9 +140,9 @@ TEST_F(Tracker, PlacesTheFootAgainstALeanByTheGaitsFeedback) {
   constexpr double kLean_rad = 0.02;
   SensorReading leaning = reading(0.0, 0.4, model::kLeft);
   leaning.base_pitch_rad += kLean_rad;
-  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  tracker_->start(0.0, model::kLeft, 0.0);
   const double placed_rad = tracker_->tick(leaning, 0.0).position_rad[2];
-  tracker_->start(0.0, model::kLeft, 0.0, 0.0);
+  tracker_->start(0.0, model::kLeft, 0.0);
   (void)tracker_->tick(reading(0.0, 0.1, model::kLeft), 0.0);  // on the gait: nothing to correct
   const double unplaced_rad = tracker_->tick(leaning, 0.0).position_rad[2];
   gait::HzdGait gait;
@@ -152,15 +154,18 @@ TEST_F(Tracker, PlacesTheFootAgainstALeanByTheGaitsFeedback) {
 }
 
 TEST_F(Tracker, SwapsTheLegsWhenTheSwingFootComesDownAndNotBefore) {
-  tracker_->start(0.0, model::kLeft, 1.0, 0.5);
+  tracker_->start(0.0, model::kLeft, 0.5);
   (void)tracker_->tick(reading(0.5, 0.99, model::kLeft), 0.5);
   EXPECT_EQ(tracker_->stance(), model::kLeft);
   SensorReading landed = reading(0.5, 1.0, model::kLeft);
   landed.joint_position_rad[3] -= 0.01;  // a straighter knee reaches the ground
   const auto command = tracker_->tick(landed, 0.5);
   EXPECT_EQ(tracker_->stance(), model::kRight);
-  EXPECT_NEAR(command.estimated_state[0], 1.0 + library_->motion_at(0.5, 1.0).position[0], 0.01);
-  tracker_->start(0.0, model::kLeft, 1.0, 0.5);
+  const gait::GaitPoint begun = library_->motion_at(0.5, 0.0);
+  for (int i = 0; i < kJoints; ++i) {
+    EXPECT_NEAR(command.position_rad[(2 + i) % kJoints], begun.position[kFirstJoint + i], 1e-5);
+  }
+  tracker_->start(0.0, model::kLeft, 0.5);
   SensorReading scuffing = reading(0.5, 0.2, model::kLeft);
   scuffing.joint_position_rad[3] -= 0.3;
   (void)tracker_->tick(scuffing, 0.5);
@@ -168,7 +173,7 @@ TEST_F(Tracker, SwapsTheLegsWhenTheSwingFootComesDownAndNotBefore) {
 }
 
 TEST_F(Tracker, LimitsTorqueAndDampsWithoutFiniteSensors) {
-  tracker_->start(0.0, model::kLeft, 0.0, 0.5);
+  tracker_->start(0.0, model::kLeft, 0.5);
   SensorReading far = reading(0.5, 0.5, model::kLeft);
   far.joint_position_rad[2] += 1.0;
   EXPECT_EQ(tracker_->tick(far, 0.5).torque_Nm[2], -testing_support::amber3m().constants.torque_limit_Nm[2]);
@@ -178,7 +183,7 @@ TEST_F(Tracker, LimitsTorqueAndDampsWithoutFiniteSensors) {
   const auto command = tracker_->tick(broken, 0.5);
   EXPECT_FALSE(command.finite);
   EXPECT_EQ(command.torque_Nm, model::JointVector(-10.0, 20.0, 0.0, 0.0));
-  EXPECT_TRUE(std::isnan(command.estimated_state[0]));
+  EXPECT_TRUE(std::isnan(command.position_rad[0]));
 }
 
 }  // namespace

@@ -33,7 +33,6 @@ TEST_F(TorqueLawTest, TorqueNeverExceedsTheLimitOfItsJoint) {
         state_[kFirstJoint + j] -= side * 100.0;
         const TorqueCommand command = tick();
         EXPECT_EQ(command.torque_Nm[j], side * limit_Nm(j)) << "joint " << j;
-        EXPECT_TRUE(command.saturated);
         expect_safe(command, "joint " + std::to_string(j));
       }
     }
@@ -120,7 +119,6 @@ TEST_F(TorqueLawTest, DampingIsLimitedToo) {
   plan_->node[1].input[0] = std::numeric_limits<double>::quiet_NaN();
   state_.tail<kJoints>().setConstant(1e6);
   const TorqueCommand command = tick();
-  EXPECT_TRUE(command.saturated);
   for (int j = 0; j < kJoints; ++j) EXPECT_EQ(command.torque_Nm[j], -limit_Nm(j));
 }
 
@@ -140,10 +138,8 @@ TEST_F(TorqueLawTest, TorqueThatDrivesTheMotionFallsLinearlyToNothingAtTheNoLoad
       state_ = plan_->node[1].state;
       state_[kFirstJoint + j] -= c.pull * 100.0;
       state_[kPositions + kFirstJoint + j] = c.velocity_rad_s;
-      const TorqueCommand command = tick();
-      EXPECT_NEAR(command.torque_Nm[j], c.pull * c.share * limit_Nm(j), 1e-9)
+      EXPECT_NEAR(tick().torque_Nm[j], c.pull * c.share * limit_Nm(j), 1e-9)
           << "joint " << j << " at " << c.velocity_rad_s << " rad/s";
-      EXPECT_TRUE(command.saturated);
     }
   }
 }
