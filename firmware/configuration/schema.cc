@@ -49,11 +49,13 @@ constexpr Section kSections[] = {
     {"inequality",
      "Limits h >= 0, kept by relaxed logarithmic barriers: -weight ln h above the width, its quadratic\n"
      "continuation below. They are soft: a larger weight keeps further away, a larger width bends earlier."},
-    {"equality", "Constraints on the feet, met to within sqp.violation_tolerance where a solve converges."},
+    {"equality",
+     "Constraints on the feet. Where a solve converges, their residuals times the interval's duration are\n"
+     "within sqp.violation_tolerance."},
     {"discretisation", "Time grid of the planning problem."},
     {"sqp",
-     "Iterations of the solver; g is the root of the summed squared defects of dynamics and equality\n"
-     "constraints."},
+     "Iterations of the solver. g is the root of the summed squares of the dynamics' defects, and of the\n"
+     "equalities' residuals times the interval's duration."},
     {"torque_law",
      "torque = feed-forward + kp (q_plan - q) + kd (v_plan - v) + friction compensation, saturated."},
     {"gait_tracker",
@@ -70,7 +72,7 @@ constexpr Entry kEntries[] = {
      "Factor on the joint torque limits of the URDF, of plans and the torque law only;\n"
      "supervisor.torque_limit_share limits all",
      real<&P::robot, &RobotParameters::torque_limit_scale>(0.05, 10.0)},
-    {"robot", "velocity_limit_scale", "1", "Factor on the joint velocity limits of the URDF",
+    {"robot", "velocity_limit_scale", "1", "Factor on the joint velocity limits of the URDF, in plans only",
      real<&P::robot, &RobotParameters::velocity_limit_scale>(0.05, 10.0)},
 
     {"robot", "no_load_speed_rad_s", "rad/s",
@@ -215,7 +217,8 @@ constexpr Entry kEntries[] = {
     {"equality", "swing_kd_1_s", "1/s", "kd of a swinging foot",
      real<&P::equality, &EqualityParameters::swing_kd_1_s>(0.0, 1e3)},
     {"equality", "rank_tolerance", "1",
-     "A swing constraint is damped when the norm of its reduced row is below",
+     "A constraint of a swing foot, or of the second stance foot, is damped when the norm of its reduced\n"
+     "row is below",
      real<&P::equality, &EqualityParameters::rank_tolerance>(1e-9, 1.0)},
 
     {"discretisation", "time_step_s", "s", "Distance of two nodes",
@@ -237,7 +240,7 @@ constexpr Entry kEntries[] = {
     {"sqp", "backtracking_steps", "1",
      "Most shortened steps that the line searches of one solve try; bounds the work of a plan",
      integer<&P::sqp, &SqpParameters::backtracking_steps>(0, 1000)},
-    {"sqp", "early_stop", "", "End as soon as the tolerances are met",
+    {"sqp", "early_stop", "", "End when the tolerances are met, or when a line search accepts no step",
      flag<&P::sqp, &SqpParameters::early_stop>()},
     {"sqp", "cost_tolerance", "1", "Ends when the cost changes by less and g is below violation_tolerance",
      real<&P::sqp, &SqpParameters::cost_tolerance>(0.0, 10.0)},
@@ -251,9 +254,12 @@ constexpr Entry kEntries[] = {
      real<&P::sqp, &SqpParameters::step_min>(1e-10, 1.0)},
     {"sqp", "filter_violation_max", "1", "Line search: above this g only less g is accepted",
      real<&P::sqp, &SqpParameters::filter_violation_max>(1e-6, 1e12)},
-    {"sqp", "filter_violation_min", "1", "Line search: below this g the cost alone decides",
+    {"sqp", "filter_violation_min", "1",
+     "Line search: below this g the cost alone decides, where it is predicted to fall; elsewhere less g is\n"
+     "accepted, too",
      real<&P::sqp, &SqpParameters::filter_violation_min>(0.0, 1e3)},
-    {"sqp", "filter_margin", "1", "Line search: least relative decrease of g",
+    {"sqp", "filter_margin", "1",
+     "Line search: least decrease of g relative to g, or of the cost for each unit of g",
      real<&P::sqp, &SqpParameters::filter_margin>(0.0, 0.1)},
     {"sqp", "armijo", "1", "Line search: share of the predicted decrease of the cost that is asked for",
      real<&P::sqp, &SqpParameters::armijo>(0.0, 0.5)},

@@ -19,7 +19,8 @@ constexpr Entry kEntries[] = {
      "--torque-limit is a share of it",
      real<&P::supervisor, &S::torque_limit_share>(0.05, 1.0)},
     {"supervisor", "walk_torque_share", "1",
-     "With a smaller torque_limit_share the robot stands, and neither steps nor walks",
+     "With a smaller torque_limit_share the robot stands, and neither steps nor walks; in stiltd also with\n"
+     "a smaller robot.torque_limit_scale",
      real<&P::supervisor, &S::walk_torque_share>(0.0, 1.0)},
     {"supervisor", "position_margin_rad", "rad", "Travel beyond the robot's before joint_position_limit",
      real<&P::supervisor, &S::position_margin_rad>(0.0, 3.0)},

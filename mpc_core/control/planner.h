@@ -33,7 +33,8 @@ class Planner final : public PlannerInterface {
   /// those of the plan do not (docs/decisions/0036-five-hundred-plans-per-second.md).
   void bring_stance_foot_to_rest() noexcept;
   void warm_start(ocp::Trajectory& guess) const noexcept;
-  void guess_node(double time_s, int phase, bool is_end, double* x, double* u, int& hint) const noexcept;
+  void guess_node(double time_s, int phase, bool before_switch, double* x, double* u,
+                  int& hint) const noexcept;
   void write_plan(const PlannerInput& input, const sqp::SolveReport& report, Plan& plan) noexcept;
 
   ControllerParameters parameters_;

@@ -12,7 +12,7 @@
 ///   P <- Q + A'P A - F'H^-1 F        p <- f_x - F'H^-1 f_u
 ///
 /// A = E + U G' in the form of lq_problem.h (U: unit columns and L). So products with A become products with
-/// its 6 to 8 rows of G. With S = U'P U, and S_l its lower triangle with the diagonal halved,
+/// its 7 or 8 rows of G. With S = U'P U, and S_l its lower triangle with the diagonal halved,
 ///
 ///   A'P A = E'P E + W G' + G W'        W' = U'P E + S_l G'
 ///

@@ -10,7 +10,7 @@ namespace stilt::ocp {
 struct Violations {
   double friction_cone_violation_max_N = 0.0;  ///< |f_x| - mu max(f_z, 0) of a stance foot
   double pulling_force_max_N = 0.0;            ///< -f_z of a stance foot
-  double impulse_cone_violation_max_Ns = 0.0;  ///< |L_x| - mu L_z of a foot that touches down
+  double impulse_cone_violation_max_Ns = 0.0;  ///< |L_x| - mu L_z of a foot in the new contact mode
   double torque_violation_max_Nm = 0.0;        ///< beyond the drive's limit at that speed
   double position_violation_max_rad = 0.0;     ///< beyond the travel
   double velocity_violation_max_rad_s = 0.0;   ///< beyond the limit
