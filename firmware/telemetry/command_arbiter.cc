@@ -185,6 +185,10 @@ std::string CommandArbiter::refusal_of_order(const Asked& asked, CommandKind kin
   if (commander_ != asked.commander && alive(now)) {
     return commander_ + " commands the robot; it must release it or fall silent first";
   }
+  if (now.standstill_s > rules_.supervisor.heartbeat_timeout_s) {
+    return "stiltd stood still for " + number_text(1e-1 * std::round(1e1 * now.standstill_s)) +
+           " s while this order came: look, then order again";
+  }
   if (!std::isfinite(asked.value)) return std::string(name(kind)) + ": the value is not a number";
   const bool has_speed = kind == CommandKind::walk || kind == CommandKind::speed;
   if (has_speed && std::abs(asked.value) > rules_.speed_limit_m_s) {

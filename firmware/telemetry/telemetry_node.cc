@@ -120,8 +120,12 @@ Drops TelemetryNode::drops() const {
 RobotNow TelemetryNode::now() const {
   const auto wall = std::chrono::steady_clock::now().time_since_epoch();
   const std::int64_t wall_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(wall).count();
-  return {run_.lockstep ? newest_.time_ns : wall_ns, wall_ns, newest_.state, newest_.present,
-          newest_.latched};
+  return {run_.lockstep ? newest_.time_ns : wall_ns,
+          wall_ns,
+          newest_.state,
+          newest_.present,
+          newest_.latched,
+          standstill_s_};
 }
 
 void TelemetryNode::begin(const control_loop::TickRecord& record) {
@@ -215,6 +219,8 @@ void TelemetryNode::watch_commander() {
 }
 
 control_loop::OperatorCommand TelemetryNode::operate(const control_loop::OperatorCommand& script) {
+  if (operated_wall_ns_ != 0 && !run_.lockstep)
+    standstill_s_ = 1e-9 * static_cast<double>(now().wall_ns - operated_wall_ns_);
   commands_->take(
       [this](Sample&& sample) {
         if (const auto command = sample.as<Command>()) answer(*command);
@@ -227,6 +233,7 @@ control_loop::OperatorCommand TelemetryNode::operate(const control_loop::Operato
       kCommandsAtOnce);
   const control_loop::OperatorCommand command = arbiter_->command(script, now());
   watch_commander();
+  operated_wall_ns_ = now().wall_ns;
   return command;
 }
 

@@ -85,12 +85,14 @@ class TelemetryNode {
   bool begun_ = false;
   control_loop::TickRecord newest_;
   diagnostics::FoundWords found_;
-  std::uint64_t joint_states_every_;  ///< ticks
-  std::uint64_t supervisor_every_;    ///< ticks
-  std::uint64_t second_;              ///< ticks
-  std::uint64_t statistics_due_ = 0;  ///< tick
-  bool changed_ = false;              ///< since the last diagnostics
-  std::string commander_;             ///< when last looked
+  std::uint64_t joint_states_every_;   ///< ticks
+  std::uint64_t supervisor_every_;     ///< ticks
+  std::uint64_t second_;               ///< ticks
+  std::uint64_t statistics_due_ = 0;   ///< tick
+  bool changed_ = false;               ///< since the last diagnostics
+  std::string commander_;              ///< when last looked
+  std::int64_t operated_wall_ns_ = 0;  ///< end of the last operate(); 0: none yet
+  double standstill_s_ = 0;            ///< before the present operate()
 };
 
 }  // namespace stilt::telemetry

@@ -132,6 +132,23 @@ TEST_F(CommandArbiterTest, a_stop_says_what_it_drops) {
             "the robot is in state sit, where stop changes nothing");
 }
 
+TEST_F(CommandArbiterTest, orders_that_waited_while_stiltd_stood_still_are_refused_and_stops_are_not) {
+  now.state = State::walk;
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  now.standstill_s = 0.39;
+  EXPECT_TRUE(take(CommandKind::walk, 0.4).accepted);
+  now.standstill_s = 9.96;
+  for (const CommandKind kind :
+       {CommandKind::walk, CommandKind::speed, CommandKind::sit, CommandKind::reset}) {
+    const Answer answer = take(kind, 0.1);
+    EXPECT_FALSE(answer.accepted) << name(kind);
+    EXPECT_EQ(answer.reason, "stiltd stood still for 10 s while this order came: look, then order again");
+  }
+  EXPECT_TRUE(take(CommandKind::heartbeat).accepted);
+  EXPECT_TRUE(take(CommandKind::stop).accepted);
+  EXPECT_TRUE(take(CommandKind::cut).accepted);
+}
+
 TEST_F(CommandArbiterTest, steps_of_a_robot_that_a_fault_makes_sit_are_refused_with_the_fault) {
   now.latched.add(Fault::low_voltage);
   for (const State state : {State::stand, State::step, State::walk}) {

@@ -52,28 +52,45 @@ TEST_F(TelemetryNodeTest, TheTimeOfDayIsThatOfTheFirstTickHoweverLateHousekeepin
   EXPECT_NEAR(age_ns / static_cast<double>(kHour_ns), 1.0, 0.5);
 }
 
+/// Anna asks again and again for the largest value of a live tunable.
+class TuningOrder {
+ public:
+  TuningOrder(const configuration::Configuration& configuration, const TelemetryNode& node,
+              const Participant& peer)
+      : tunable_(configuration::live_tunables(configuration).front()),
+        token_(read_token(node.token_file()).value()),
+        key_(tunable_.entry->name()),
+        writer_(AnyWriter::open(peer, kCommands)) {
+    command_.run_id = node.run_id();
+    command_.token = token_.data();
+    command_.commander = name_.data();
+    command_.kind = static_cast<std::uint8_t>(CommandKind::tunable);
+    command_.value = tunable_.maximum;
+    command_.key = key_.data();
+  }
+
+  void send() {
+    ++command_.number;
+    ASSERT_TRUE(writer_.has_value());
+    EXPECT_TRUE(writer_->write(&command_));
+  }
+
+  [[nodiscard]] const std::string& key() const { return key_; }
+
+ private:
+  configuration::LiveTunable tunable_;
+  std::string token_, key_, name_ = "anna";
+  Command command_{};
+  std::expected<AnyWriter, std::string> writer_;
+};
+
 TEST_F(TelemetryNodeTest, ATuningNamesWhoAskedForIt) {
-  const auto begun = testing::one_sample(*peer, kConfiguration, [] {}).as<ActiveConfiguration>();
-  ASSERT_TRUE(begun);
-  const configuration::LiveTunable tunable = configuration::live_tunables(configuration).front();
-  std::string token = read_token(node->token_file()).value();
-  std::string key = tunable.entry->name();
-  std::string name = "anna";
-  Command command{};
-  command.run_id = begun->run_id;
-  command.token = token.data();
-  command.commander = name.data();
-  command.kind = static_cast<std::uint8_t>(CommandKind::tunable);
-  command.value = tunable.maximum;
-  command.key = key.data();
-  auto commands = AnyWriter::open(*peer, kCommands);
-  ASSERT_TRUE(commands.has_value());
+  TuningOrder order(configuration, *node, *peer);
   auto tunings = Reader::open(*peer, kTuning);
   ASSERT_TRUE(tunings.has_value());
   std::string key_tuned, tuned_by;
   for (int i = 0; i < 6000 && key_tuned.empty(); ++i) {
-    ++command.number;
-    EXPECT_TRUE(commands->write(&command));
+    order.send();
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     static_cast<void>(node->operate({}));
     tunings->take([&](Sample&& sample) {
@@ -83,8 +100,22 @@ TEST_F(TelemetryNodeTest, ATuningNamesWhoAskedForIt) {
       tuned_by = tuning->commander;
     });
   }
-  EXPECT_EQ(key_tuned, key);
+  EXPECT_EQ(key_tuned, order.key());
   EXPECT_EQ(tuned_by, "anna");
+}
+
+TEST_F(TelemetryNodeTest, AnOrderThatCameWhileNobodyLookedForTheTimeOfAHeartbeatIsRefused) {
+  TuningOrder order(configuration, *node, *peer);
+  static_cast<void>(node->operate({}));
+  const auto reply = testing::one_sample(*peer, kCommandReplies, [&] {
+                       order.send();
+                       std::this_thread::sleep_for(std::chrono::duration<double>(
+                           configuration.supervisor.heartbeat_timeout_s + 0.05));
+                       static_cast<void>(node->operate({}));
+                     }).as<CommandReply>();
+  ASSERT_TRUE(reply);
+  EXPECT_FALSE(reply->accepted);
+  EXPECT_TRUE(std::string(reply->reason).starts_with("stiltd stood still for ")) << reply->reason;
 }
 
 }  // namespace
