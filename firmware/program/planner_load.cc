@@ -62,7 +62,7 @@ void PlannerLoad::plan() {
     if (!state_.planner.cycle(request, plan)) ++failed_;
     const std::int64_t done_ns = clock.now_ns();
     solve_.add_ns(done_ns - began_ns);
-    pace.advance(began_ns, done_ns);
+    pace.advance(began_ns, realtime::rested_ns(began_ns, done_ns));
   }
 }
 

@@ -131,7 +131,7 @@ void run_planner(void* context) {
   while (!run.planner_end.load(std::memory_order_acquire)) {
     const std::int64_t began_ns = clock.sleep_until(pace.next_ns());
     run_cycle(run, clock, last_tick);
-    pace.advance(began_ns, clock.now_ns());
+    pace.advance(began_ns, realtime::rested_ns(began_ns, clock.now_ns()));
     state.planning.heap_allocations = allocations.count();
     state.planning.page_faults = page_faults() - faults_before;
     if (state.planning.plans % 25 == 0) {

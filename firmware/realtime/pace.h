@@ -29,4 +29,10 @@ class Pace {
   std::int64_t period_ns_;
 };
 
+/// End of some work with a rest of a ninth of it: a thread that rests leaves a tenth of its processor. Where
+/// real-time threads take 95 % of one (sched_rt_runtime_us), the kernel stops all of them there for a while.
+[[nodiscard]] constexpr std::int64_t rested_ns(std::int64_t began_ns, std::int64_t done_ns) noexcept {
+  return done_ns + (done_ns - began_ns) / 9;
+}
+
 }  // namespace stilt::realtime

@@ -37,5 +37,21 @@ TEST(Pace, WhatBeginsMoreThanHalfAPeriodLateLeavesTheNextTimeOut) {
   EXPECT_EQ(pace.next_ns(), 1700);
 }
 
+TEST(Pace, WorkThatRestsTakesNineTenthsOfAProcessorAtMostHoweverLongItIs) {
+  for (std::int64_t work_ns = 100; work_ns < 100'000; work_ns += 37) {
+    Pace pace(0, 2000);
+    std::int64_t began_ns = 0;
+    for (int cycle = 0; cycle < 3; ++cycle) {
+      began_ns = pace.next_ns();
+      pace.advance(began_ns, rested_ns(began_ns, began_ns + work_ns));
+      const auto period_ns = static_cast<double>(pace.next_ns() - began_ns);
+      ASSERT_LE(static_cast<double>(work_ns) / period_ns, 0.9 + 1.0 / period_ns) << work_ns;
+    }
+  }
+  Pace pace(0, 2000);
+  EXPECT_EQ(pace.advance(0, rested_ns(0, 1800)), 0) << "nine tenths of the period";
+  EXPECT_EQ(pace.next_ns(), 2000);
+}
+
 }  // namespace
 }  // namespace stilt::realtime
