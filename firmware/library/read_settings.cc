@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "firmware/configuration/diagnostic.h"
+#include "firmware/configuration/gaits/load_around_gaits.h"
 #include "firmware/configuration/reach.h"
 #include "firmware/robots/robots.h"
 
@@ -11,8 +11,8 @@ namespace stilt::library {
 std::expected<configuration::Configuration, std::string> read_settings(const Settings& settings) {
   std::vector<configuration::Override> changes;
   for (const std::string& text : settings.settings) changes.push_back({text, "Settings::settings"});
-  configuration::Result read = configuration::load(settings.configuration_file, settings.robot, changes);
-  if (!read) return std::unexpected(configuration::to_string(read.error()));
+  auto read = gait_files::load_around_gaits(settings.configuration_file, settings.robot, changes);
+  if (!read) return std::unexpected(read.error());
   if (const auto robot = robots::find(read->hardware.robot)) {
     const auto poses = configuration::unreachable_poses(*read, (*robot)->model.constants);
     if (!poses.empty()) {

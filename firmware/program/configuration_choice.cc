@@ -4,12 +4,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 
 #include "firmware/configuration/edit.h"
-#include "firmware/configuration/gaits/gait_overrides.h"
-#include "firmware/configuration/gaits/shipped_gaits.h"
-#include "firmware/program/configure_controller.h"
+#include "firmware/configuration/gaits/load_around_gaits.h"
 #include "firmware/robots/robots.h"
 
 namespace stilt::program {
@@ -22,18 +19,6 @@ std::vector<configuration::Override> overrides_of(const ConfigurationChoice& cho
   for (const std::string& bus : choice.buses) buses += (buses.empty() ? "" : ",") + bus;
   if (!buses.empty()) overrides.push_back({"hardware.buses=" + buses, "--bus"});
   return overrides;
-}
-
-/// What plans around gaits of the library need, before what the command line sets.
-std::expected<std::vector<configuration::Override>, std::string> with_gaits(
-    const std::string& robot, const std::vector<configuration::Override>& overrides) {
-  const auto library = std::make_unique<gait::GaitLibrary>();
-  if (const auto loaded = gait_files::load_shipped_library(robot, *library); !loaded) {
-    return std::unexpected("controller.reference is hzd: " + loaded.error() + std::string(kOnlyShippedGaits));
-  }
-  auto all = gait_files::gait_overrides(*library, "controller.reference");
-  all.insert(all.end(), overrides.begin(), overrides.end());
-  return all;
 }
 
 /// Whether a file that was read as TOML holds more than comments.
@@ -109,14 +94,9 @@ void add_configuration_options(CLI::App& app, ConfigurationChoice& choice) {
 
 std::expected<ChosenConfiguration, std::string> read_configuration(const ConfigurationChoice& choice) {
   const auto overrides = overrides_of(choice);
-  configuration::Result result = configuration::load(choice.file, choice.robot, overrides, choice.preset);
-  if (result && result->controller.reference == configuration::ReferenceKind::hzd) {
-    const auto all = with_gaits(result->hardware.robot, overrides);
-    if (!all) return std::unexpected(all.error());
-    result = configuration::load(choice.file, choice.robot, *all, choice.preset);
-  }
-  if (!result) return std::unexpected(configuration::to_string(result.error()));
-  return ChosenConfiguration{*result, source_of(choice), changed_keys(choice, overrides)};
+  const auto read = gait_files::load_around_gaits(choice.file, choice.robot, overrides, choice.preset);
+  if (!read) return std::unexpected(read.error());
+  return ChosenConfiguration{*read, source_of(choice), changed_keys(choice, overrides)};
 }
 
 }  // namespace stilt::program

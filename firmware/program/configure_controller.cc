@@ -1,5 +1,6 @@
 #include "firmware/program/configure_controller.h"
 
+#include "firmware/configuration/gaits/load_around_gaits.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "firmware/program/instruction_sets.h"
 #include "firmware/robots/robots.h"
@@ -39,7 +40,7 @@ std::expected<void, std::string> follow_gaits(const model::RobotModel& robot,
   const auto loaded = gait_files::load_shipped_library(configuration.hardware.robot, gaits);
   if (!loaded && planned)
     return std::unexpected(source + ": controller.reference is hzd, and " + loaded.error() +
-                           std::string(kOnlyShippedGaits));
+                           std::string(gait_files::kOnlyShippedGaits));
   if (!loaded && configuration.supervisor.select_gait)
     return std::unexpected(source + ": supervisor.select_gait is true, and " + loaded.error());
   if (!loaded) return {};

@@ -2,17 +2,12 @@
 
 #include <expected>
 #include <string>
-#include <string_view>
 
 #include "firmware/configuration/configuration.h"
 #include "firmware/control_loop/control_loop.h"
 #include "firmware/control_loop/planner_task.h"
 
 namespace stilt::program {
-
-/// Behind the error of a robot without shipped gaits.
-inline constexpr std::string_view kOnlyShippedGaits =
-    "; plans follow shipped gaits alone here, so set controller.reference = \"heuristic\"";
 
 /// Planner and control loop as a configuration sets them: in stiltd, and when a record is replayed. `source`
 /// names the configuration in the error, one sentence for the user. Start-up only.

@@ -9,7 +9,9 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
+#include "firmware/library/read_settings.h"
 #include "firmware/realtime/allocation_counter.h"
 #include "tests/own_folder.h"
 
@@ -297,6 +299,22 @@ class MotionTest : public ::testing::Test {
   Loop loop;
   Tick last;
 };
+
+TEST(OwnLoop, PlansAroundGaitsHaveTheirTimesAndWeightsUnlessTheUserSetsOthers) {
+  const auto read = [](std::vector<std::string> settings) {
+    settings.emplace_back("controller.reference=hzd");
+    return library::read_settings({.settings = std::move(settings)}).value();
+  };
+  const configuration::Configuration gaits = read({});
+  EXPECT_NEAR(gaits.gait.single_support_s, 0.3, 1e-6);
+  EXPECT_EQ(gaits.cost.terminal, 10.0);
+  EXPECT_FALSE(gaits.cost.terminal_feet);
+  EXPECT_EQ(read({"cost.terminal=3"}).cost.terminal, 3.0);
+  const auto refused = library::read_settings({.robot = "rabbit", .settings = {"controller.reference=hzd"}});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_TRUE(refused.error().starts_with("controller.reference is hzd: no gaits of rabbit"))
+      << refused.error();
+}
 
 TEST_F(MotionTest, OfARobotOnTheGantryAreThoseOfTheDocument) {
   loop.run(0.01);
