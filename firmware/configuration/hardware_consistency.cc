@@ -1,6 +1,7 @@
 #include "firmware/configuration/hardware_consistency.h"
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "firmware/configuration/driver_of.h"
@@ -121,34 +122,63 @@ constexpr RangeKeys kKneeRanges = {"knee_driver.position_range_rad", "knee_drive
                                    "knee_driver.kd_range_Nms_rad", "knee_driver.torque_range_Nm",
                                    "knee_driver.reply_torque_range_Nm"};
 
-/// The ranges of an AK of version 3 are the same for every model, but for velocity and torque. Another range
-/// scales every command wrongly.
-void check_ak_ranges(const RangeKeys& keys, const DriverParameters& driver,
-                     std::vector<Contradiction>& found) {
-  if (driver.protocol != DriverProtocol::ak_v3) return;
+/// The ends of both gains in the firmware of every such driver.
+struct VendorGains {
+  std::string_view drivers;
+  double kp_Nm_rad = 0;
+  double kd_Nms_rad = 0;
+};
+
+/// Nothing where they are the user's choice: in the firmware of a mini-cheetah, or in the driver.
+std::optional<VendorGains> vendor_gains(DriverProtocol protocol) {
+  using hal::mit::kVendorKd_Nms_rad, hal::mit::kVendorKp_Nm_rad;
+  switch (protocol) {
+    case DriverProtocol::mit_damiao:
+      return VendorGains{"every Damiao", kVendorKp_Nm_rad, kVendorKd_Nms_rad};
+    case DriverProtocol::mit_ak:
+      return VendorGains{"every AK of version 1 or 2", kVendorKp_Nm_rad, kVendorKd_Nms_rad};
+    case DriverProtocol::ak_v3:
+      return VendorGains{"every AK of version 3", hal::ak::kAkKp_Nm_rad, hal::ak::kAkKd_Nms_rad};
+    case DriverProtocol::mit_mini_cheetah:
+    case DriverProtocol::moteus:
+    case DriverProtocol::odrive:
+      return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+/// Another range than that of the firmware scales every command wrongly. Those of velocity and torque are of
+/// the model, and of an AK of version 3 those alone.
+void check_vendor_ranges(const RangeKeys& keys, const DriverParameters& driver,
+                         std::vector<Contradiction>& found) {
+  const std::optional<VendorGains> vendor = vendor_gains(driver.protocol);
+  if (!vendor) return;
   constexpr double kLeastPosition_rad = 12.5, kMostPosition_rad = 12.57;  // documents of its vendors differ
   const auto refuse = [&](std::string_view key, double is, double right) {
     found.push_back({{key},
-                     std::string(key) + " = " + number_text(is) + ", but that of every AK of version 3 is " +
-                         number_text(right) + "; set it to that"});
+                     std::string(key) + " = " + number_text(is) + ", but that of " +
+                         std::string(vendor->drivers) + " is " + number_text(right) + "; set it to that"});
   };
-  if (driver.position_range_rad < kLeastPosition_rad || driver.position_range_rad > kMostPosition_rad)
+  if (driver.protocol == DriverProtocol::ak_v3 &&
+      (driver.position_range_rad < kLeastPosition_rad || driver.position_range_rad > kMostPosition_rad)) {
     refuse(keys.position, driver.position_range_rad, hal::ak::kAkPosition_rad);
-  if (driver.kp_range_Nm_rad != hal::ak::kAkKp_Nm_rad)
-    refuse(keys.kp, driver.kp_range_Nm_rad, hal::ak::kAkKp_Nm_rad);
-  if (driver.kd_range_Nms_rad != hal::ak::kAkKd_Nms_rad)
-    refuse(keys.kd, driver.kd_range_Nms_rad, hal::ak::kAkKd_Nms_rad);
+  }
+  if (driver.kp_range_Nm_rad != vendor->kp_Nm_rad) refuse(keys.kp, driver.kp_range_Nm_rad, vendor->kp_Nm_rad);
+  if (driver.kd_range_Nms_rad != vendor->kd_Nms_rad)
+    refuse(keys.kd, driver.kd_range_Nms_rad, vendor->kd_Nms_rad);
 }
 
-/// A Damiao has one range of torque, and bring-up compares both with it.
-void check_damiao_ranges(const RangeKeys& keys, const DriverParameters& driver,
+/// Commands and replies of a Damiao or an AK have one range of torque.
+void check_torque_ranges(const RangeKeys& keys, const DriverParameters& driver,
                          std::vector<Contradiction>& found) {
-  if (driver.protocol != DriverProtocol::mit_damiao || driver.reply_torque_range_Nm == driver.torque_range_Nm)
-    return;
+  const bool damiao = driver.protocol == DriverProtocol::mit_damiao;
+  if (!damiao && driver.protocol != DriverProtocol::mit_ak) return;
+  if (driver.reply_torque_range_Nm == driver.torque_range_Nm) return;
   found.push_back({{keys.reply_torque, keys.torque},
                    std::string(keys.reply_torque) + " = " + number_text(driver.reply_torque_range_Nm) +
                        " must be " + std::string(keys.torque) + " = " + number_text(driver.torque_range_Nm) +
-                       ": a Damiao has one range for both, its TMAX"});
+                       (damiao ? ": a Damiao has one range for both, its TMAX"
+                               : ": an AK of version 1 or 2 has one range for both, that of its model")});
 }
 
 void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Contradiction>& found) {
@@ -174,10 +204,10 @@ void check_hardware(const HardwareParameters& hardware, std::vector<Contradictio
   check_can_fd("knee_driver.can_fd", hardware.knee, found);
   check_endpoints(kHipVersions, hardware.hip, found);
   check_endpoints(kKneeVersions, hardware.knee, found);
-  check_ak_ranges(kHipRanges, hardware.hip, found);
-  check_ak_ranges(kKneeRanges, hardware.knee, found);
-  check_damiao_ranges(kHipRanges, hardware.hip, found);
-  check_damiao_ranges(kKneeRanges, hardware.knee, found);
+  check_vendor_ranges(kHipRanges, hardware.hip, found);
+  check_vendor_ranges(kKneeRanges, hardware.knee, found);
+  check_torque_ranges(kHipRanges, hardware.hip, found);
+  check_torque_ranges(kKneeRanges, hardware.knee, found);
   for (std::size_t i = 0; i < hal::kJoints; ++i) {
     check_bus(kKeys[i].bus, hardware.joint[i].bus, buses, found);
     check_ids(hardware, i, found);
@@ -234,12 +264,13 @@ void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::v
 }
 
 void check_runtime(const RuntimeParameters& runtime, std::vector<Contradiction>& found) {
-  if (runtime.planner_priority > 0 && runtime.planner_priority >= runtime.torque_priority) {
-    found.push_back(
-        {{"runtime.planner_priority", "runtime.torque_priority"},
-         "runtime.planner_priority = " + std::to_string(runtime.planner_priority) +
-             " must be below runtime.torque_priority = " + std::to_string(runtime.torque_priority)});
-  }
+  const bool ordinary = runtime.planner_priority == 0 && runtime.torque_priority == 0;
+  if (ordinary || runtime.planner_priority <= runtime.torque_priority - 2) return;
+  found.push_back(
+      {{"runtime.planner_priority", "runtime.torque_priority"},
+       "runtime.planner_priority = " + std::to_string(runtime.planner_priority) +
+           " must be at least 2 below runtime.torque_priority = " + std::to_string(runtime.torque_priority) +
+           ": the threads of adapters and torso sensors at serial ports have the one between"});
 }
 
 }  // namespace stilt::configuration

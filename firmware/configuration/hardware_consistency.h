@@ -11,7 +11,7 @@
 namespace stilt::configuration {
 
 /// Contradictions of the wiring: joints on buses that do not exist, drivers that share an identifier,
-/// identifiers their protocol does not have. Those of check_torso_sensor() are among them.
+/// identifiers and ranges their protocol does not have. Those of check_torso_sensor() are among them.
 void check_hardware(const HardwareParameters& hardware, std::vector<Contradiction>& found);
 
 /// No sensor of the pitch, or settings of one that contradict one another. Also a rate that would be too
@@ -33,9 +33,9 @@ void check_identifiers(const HardwareParameters& hardware, std::vector<Contradic
 [[nodiscard]] std::string exchangeable_buses(const HardwareParameters& hardware);
 
 /// Gains of the supervisor (hold, sit, damp) that the drivers cannot give. A command would carry the most
-/// they give instead, and the robot would sink or fall undamped. MIT mode: ranges of the command; moteus:
-/// scales from 0 to 1 of the gains in its own configuration. ODrives take torques only: CanRobot computes
-/// their law.
+/// they give instead, or of a gain of few steps less, down to 0. The robot would sink or fall undamped. MIT
+/// mode: ranges of the command; moteus: scales from 0 to 1 of the gains in its own configuration. ODrives
+/// take torques only: CanRobot computes their law.
 void check_gains(const HardwareParameters& hardware, const supervisor::SupervisorParameters& supervisor,
                  std::vector<Contradiction>& found);
 
@@ -47,7 +47,8 @@ void check_supply(const HardwareParameters& hardware, const supervisor::Supervis
 /// gait that is selected must be tracked.
 void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::vector<Contradiction>& found);
 
-/// Contradictions between the threads.
+/// Contradictions between the threads. Between planner and torque loop there is one priority more, that of
+/// the threads of adapters and torso sensors at serial ports.
 void check_runtime(const RuntimeParameters& runtime, std::vector<Contradiction>& found);
 
 }  // namespace stilt::configuration

@@ -11,7 +11,7 @@ struct RuntimeParameters {
   int torque_core = 1;                      ///< processor of the torque loop; -1: wherever the kernel puts it
   int planner_core = 0;                     ///< processor of the planner; -1 as above
   int torque_priority = 80;                 ///< SCHED_FIFO, 1 to 99; 0: ordinary scheduling
-  int planner_priority = 60;                ///< as above, below torque_priority
+  int planner_priority = 60;                ///< as above, at least 2 below torque_priority
   double idle_exit_max_s = 1e-5;            ///< held through /dev/cpu_dma_latency; whole microseconds
   double self_test_answered_share = 0.999;  ///< of the commands of stiltd selftest, in time or late
   double self_test_in_time_share = 0.99;    ///< of the commands, before the next one

@@ -317,7 +317,9 @@ constexpr Entry kEntries[] = {
      real<&P::timing, &TimingParameters::torque_rate_hz>(100.0, 10000.0)},
     {"timing", "plan_rate_hz", "Hz", "Rate of the planner",
      real<&P::timing, &TimingParameters::plan_rate_hz>(1.0, 2000.0)},
-    {"timing", "plan_delay_s", "s", "Simulated time between the state a plan starts from and its first use",
+    {"timing", "plan_delay_s", "s",
+     "Simulated time between the state a plan starts from and its first use. With one that is longer than\n"
+     "1 / plan_rate_hz plans are made that much less often",
      real<&P::timing, &TimingParameters::plan_delay_s>(0.0, 0.2)},
 };
 

@@ -34,7 +34,7 @@ constexpr Entry kEntries[] = {
     {"runtime", "torque_priority", "1", "SCHED_FIFO priority of the torque loop; 0: ordinary scheduling",
      integer<&P::runtime, &R::torque_priority>(0, 99)},
     {"runtime", "planner_priority", "1",
-     "SCHED_FIFO priority of the planner, below the torque loop's; 0: ordinary scheduling",
+     "SCHED_FIFO priority of the planner, at least 2 below the torque loop's; 0: ordinary scheduling",
      integer<&P::runtime, &R::planner_priority>(0, 98)},
     {"runtime", "idle_exit_max_s", "s",
      "Longest time that an idle processor may take to wake, held through /dev/cpu_dma_latency while stiltd "

@@ -53,7 +53,10 @@ namespace stilt::hal::ak {
 [[nodiscard]] constexpr DriverStandardIds standard_ids(const AkDriver&) noexcept { return {}; }
 [[nodiscard]] constexpr bool uses_fd(const AkDriver&) noexcept { return false; }
 [[nodiscard]] constexpr std::optional<GainLimits> gain_limits(const AkDriver& driver) noexcept {
-  return GainLimits{.kp = driver.kp_Nm_rad, .kd = driver.kd_Nms_rad};
+  return GainLimits{.kp = driver.kp_Nm_rad,
+                    .kd = driver.kd_Nms_rad,
+                    .kp_step = kAkGainStep * driver.kp_Nm_rad,
+                    .kd_step = kAkGainStep * driver.kd_Nms_rad};
 }
 [[nodiscard]] constexpr std::optional<FrameReach> frame_reach(const AkDriver& driver) noexcept {
   constexpr double kMost = 32767;

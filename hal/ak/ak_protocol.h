@@ -35,10 +35,11 @@
 /// examples, and an audit of torque paths of an AK60-6. Real-time safe, without state.
 namespace stilt::hal::ak {
 
-inline constexpr double kAkPosition_rad = 12.56;  ///< either way, of every model
-inline constexpr double kAkKp_Nm_rad = 500;       ///< of every model
-inline constexpr double kAkKd_Nms_rad = 5;        ///< of every model
-inline constexpr double kAkMost_hz = 500;         ///< its fastest reports
+inline constexpr double kAkPosition_rad = 12.56;   ///< either way, of every model
+inline constexpr double kAkKp_Nm_rad = 500;        ///< of every model
+inline constexpr double kAkKd_Nms_rad = 5;         ///< of every model
+inline constexpr double kAkGainStep = 1.0 / 4095;  ///< of the field of a gain, as a share of its range
+inline constexpr double kAkMost_hz = 500;          ///< its fastest reports
 inline constexpr double kAkStatusStep_rad = 0.1 * 0.017453292519943295;
 inline constexpr double kAkPositionStep_rad = 0.01 * 0.017453292519943295;
 

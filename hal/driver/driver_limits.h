@@ -4,10 +4,13 @@
 
 namespace stilt::hal {
 
-/// The largest gains that a driver gives, at its own shaft and in its own unit.
+/// The largest gains that a driver gives, and the steps of their fields, at its own shaft and in its own
+/// unit. What is less than a step may arrive as 0.
 struct GainLimits {
   double kp = 0;
   double kd = 0;
+  double kp_step = 0;
+  double kd_step = 0;
   double unit_rad = 1;  ///< the angle that the gains count in: 1, or 2 pi for gains per revolution
   std::string_view kp_unit = "Nm/rad";
   std::string_view kd_unit = "Nm s/rad";

@@ -53,7 +53,10 @@ namespace stilt::hal::mit {
 }
 [[nodiscard]] constexpr bool uses_fd(const MitDriver&) noexcept { return false; }
 [[nodiscard]] constexpr std::optional<GainLimits> gain_limits(const MitDriver& driver) noexcept {
-  return GainLimits{.kp = driver.kp_Nm_rad.maximum, .kd = driver.kd_Nms_rad.maximum};
+  return GainLimits{.kp = driver.kp_Nm_rad.maximum,
+                    .kd = driver.kd_Nms_rad.maximum,
+                    .kp_step = step(driver.kp_Nm_rad, 12),
+                    .kd_step = step(driver.kd_Nms_rad, 12)};
 }
 [[nodiscard]] constexpr std::optional<FrameReach> frame_reach(const MitDriver& driver) noexcept {
   return FrameReach{.command_position_rad = driver.position_rad.maximum,

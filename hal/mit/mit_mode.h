@@ -16,13 +16,18 @@
 /// Reply: driver identifier 8, position 16, velocity 12, torque 12 bits, then bytes that differ by vendor
 /// (ReplyLayout). A value x of range [a, b] in n bits is the integer part of (x - a) (2^n - 1) / (b - a).
 /// Vendors cut off instead of rounding. What arrives is up to one step below what was asked, and no code is
-/// exactly zero in a symmetric range.
+/// exactly zero in a symmetric range. A gain below one step arrives as 0.
 ///
 /// Facts: B. Katz, HKC_MiniCheetah CAN_com.cpp (layout, cut-off); CubeMars AK series manual 1.0.17,
 /// section 5.3 (8-byte reply, temperature = byte - 40); Damiao DM-J manuals and
-/// github.com/jia-xie/python-damiao-driver, docs/concept/communication-protocol.md. Everything here is
-/// real-time safe and keeps no state.
+/// github.com/jia-xie/python-damiao-driver, docs/concept/communication-protocol.md. The ranges of both gains
+/// are fixed there, and equal in mit_can.py of github.com/neurobionics/TMotorCANControl for AK motors. Their
+/// torque has one range in commands and replies. Everything here is real-time safe and keeps no state.
 namespace stilt::hal::mit {
+
+/// Ends of the gains in the firmware of every Damiao and AK. That of a mini-cheetah is rebuilt by its users.
+inline constexpr double kVendorKp_Nm_rad = 500;
+inline constexpr double kVendorKd_Nms_rad = 5;
 
 /// Values that the ends of a fixed-point field stand for, in the unit of the field.
 struct Range {
@@ -46,8 +51,8 @@ struct MitDriver {
   ReplyLayout layout = ReplyLayout::mini_cheetah;
   Range position_rad{-12.5, 12.5};
   Range velocity_rad_s{-65, 65};
-  Range kp_Nm_rad{0, 500};
-  Range kd_Nms_rad{0, 5};
+  Range kp_Nm_rad{0, kVendorKp_Nm_rad};
+  Range kd_Nms_rad{0, kVendorKd_Nms_rad};
   Range torque_Nm{-18, 18};
   Range reply_position_rad{-12.5, 12.5};
   Range reply_velocity_rad_s{-65, 65};

@@ -12,8 +12,7 @@ namespace {
 constexpr std::uint32_t kReplyBit = 0x8000;
 constexpr std::uint8_t kFirstLimitCode = 96;
 constexpr double kWatchdogStep_s = 0.001;
-constexpr double kScaleStep = 1.0 / 32767;  // of the scale of a gain, int16
-constexpr double kNoLimit = -0.05;          // anything negative: one step of an acceleration in int8
+constexpr double kNoLimit = -0.05;  // anything negative: one step of an acceleration in int8
 
 void write_one(SubframeWriter& writer, MoteusRegister where, Resolution resolution, double value) noexcept {
   writer.values(SubframeKind::write, where, resolution, std::span(&value, 1));

@@ -33,6 +33,7 @@ inline constexpr std::uint32_t kMoteusRegisterMap = 5;  ///< version of the scal
 inline constexpr double kMoteusPosition_rad = 3.2767 * 2 * std::numbers::pi;
 inline constexpr double kMoteusVelocity_rad_s = 8.19175 * 2 * std::numbers::pi;
 inline constexpr double kMoteusTorque_Nm = 327.67;
+inline constexpr double kScaleStep = 1.0 / 32767;  ///< of the scale of a gain in a command, int16
 
 /// Modes that matter here, by register 0x000; others exist.
 enum class MoteusMode : std::uint8_t {

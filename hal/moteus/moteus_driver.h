@@ -53,7 +53,13 @@ namespace stilt::hal::moteus {
 [[nodiscard]] constexpr DriverStandardIds standard_ids(const MoteusDriver&) noexcept { return {}; }
 [[nodiscard]] constexpr bool uses_fd(const MoteusDriver&) noexcept { return true; }
 [[nodiscard]] constexpr std::optional<GainLimits> gain_limits(const MoteusDriver& driver) noexcept {
-  return GainLimits{driver.kp_Nm_rev, driver.kd_Nm_s_rev, 2 * std::numbers::pi, "Nm/rev", "Nm s/rev"};
+  return GainLimits{.kp = driver.kp_Nm_rev,
+                    .kd = driver.kd_Nm_s_rev,
+                    .kp_step = kScaleStep * driver.kp_Nm_rev,
+                    .kd_step = kScaleStep * driver.kd_Nm_s_rev,
+                    .unit_rad = 2 * std::numbers::pi,
+                    .kp_unit = "Nm/rev",
+                    .kd_unit = "Nm s/rev"};
 }
 
 /// Commands are int16, replies int32.

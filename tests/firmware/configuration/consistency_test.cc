@@ -69,9 +69,11 @@ TEST(Consistency, APlanComesBeforeTheOneBeforeItIsStale) {
   EXPECT_EQ(complaint([](Parameters& p) { p.timing.plan_rate_hz = 4.0, p.timing.plan_delay_s = 0.0; }), "");
   EXPECT_EQ(
       complaint([](Parameters& p) { p.timing.plan_rate_hz = 3.2, p.timing.plan_delay_s = 0.0; }),
-      "timing.plan_delay_s: a plan is timing.plan_delay_s + 1 / timing.plan_rate_hz = 0.3125 s old when "
-      "the next one comes, which must be at most supervisor.stale_plan_s = 0.25");
+      "timing.plan_delay_s: a plan is at least timing.plan_delay_s + 1 / timing.plan_rate_hz = 0.3125 s old "
+      "when the next one comes, which must be at most supervisor.stale_plan_s = 0.25");
   EXPECT_NE(complaint([](Parameters& p) { p.timing.plan_delay_s = 0.25; }), "");
+  EXPECT_EQ(complaint([](Parameters& p) { p.timing.plan_delay_s = 0.198; }), "")
+      << "stilt experiment limits: plans get 0.396 s old, and a gait leads the robot meanwhile";
   EXPECT_EQ(complaint([](Parameters& p) {
               p.timing.plan_rate_hz = 3.0;
               p.supervisor.stale_plan_s = 0.4;

@@ -78,12 +78,22 @@ TEST(Hardware, EveryContradictionOfTheWiringPointsAtItsLine) {
             "robot.toml:2:6: knee_L.id = 16: identifiers of this driver are 0 to 15");
   EXPECT_TRUE(mistakes("[torso_sensor]\npitch = \"none\"\n").starts_with("robot.toml:2:9: nothing measures"));
   EXPECT_TRUE(mistakes("[torso_sensor]\nencoder_joint = 1\n").starts_with("robot.toml:2:17: torso_sensor."));
-  for (const char* priority : {"80", "85"}) {
-    EXPECT_TRUE(
-        mistakes("[runtime]\ntorque_priority = 80\nplanner_priority = " + std::string(priority) + "\n")
-            .starts_with("robot.toml:3:20: runtime.planner_priority"))
-        << priority;
-  }
+}
+
+TEST(Hardware, ThreadsOfAdaptersAndSensorsHaveAPriorityBetweenPlannerAndTorqueLoop) {
+  const auto priorities = [](int torque, int planner) {
+    return mistakes("[runtime]\ntorque_priority = " + std::to_string(torque) +
+                    "\nplanner_priority = " + std::to_string(planner) + "\n");
+  };
+  EXPECT_EQ(priorities(80, 78), "");
+  EXPECT_EQ(priorities(80, 79),
+            "robot.toml:3:20: runtime.planner_priority = 79 must be at least 2 below runtime.torque_priority "
+            "= 80: the threads of adapters and torso sensors at serial ports have the one between");
+  for (const int priority : {80, 85}) EXPECT_NE(priorities(80, priority), "") << priority;
+  EXPECT_EQ(priorities(0, 0), "") << "ordinary scheduling has none";
+  EXPECT_EQ(priorities(2, 0), "");
+  EXPECT_NE(priorities(1, 0), "") << "such a thread would be as ordinary as the planner";
+  EXPECT_NE(priorities(0, 60), "");
 }
 
 TEST(Hardware, ABusIsACanInterfaceAnAdapterAtAPortOrALoopbackOfSomeName) {
@@ -198,51 +208,6 @@ TEST(Hardware, EveryProtocolWorksWithTheShippedIdentifiersAndGains) {
   }
 }
 
-TEST(Hardware, GainsThatADriverCannotGiveAreRefused) {
-  const auto refuses = [](const std::string& toml, std::string_view gain, std::string_view limit) {
-    const std::string found = mistakes(toml);
-    return found.find(gain) != std::string::npos && found.find(limit) != std::string::npos;
-  };
-  EXPECT_EQ(mistakes("[knee_driver]\nkp_range_Nm_rad = 50\n"),
-            "robot.toml:2:19: supervisor.hold_kp_Nm_rad = 100 asks 100 Nm/rad of the shaft of a knee_driver, "
-            "which gives at most knee_driver.kp_range_Nm_rad = 50; set that to what the driver's own "
-            "configuration allows, or supervisor.hold_kp_Nm_rad to at most 50");
-  EXPECT_PRED3(refuses, "[supervisor]\nhold_kd_Nms_rad = 6\n", "hold_kd", "hip_driver.kd_range_Nms_rad = 5");
-  EXPECT_PRED3(refuses, "[supervisor]\ndamping_kd_Nms_rad = 6\n", "damping_kd", "knee_driver.kd_range");
-  // 100 Nm/rad are 628 Nm per revolution, 4.5 Nm s/rad are 28.3.
-  EXPECT_EQ(mistakes(with_drivers("moteus", "moteus_kp_Nm_rev = 629\nmoteus_kd_Nms_rev = 28.3\n")), "");
-  EXPECT_PRED3(refuses, with_drivers("moteus", "moteus_kp_Nm_rev = 628\n"), "hold_kp",
-               "moteus_kp_Nm_rev = 628");
-  EXPECT_PRED3(refuses, with_drivers("moteus", "moteus_kd_Nms_rev = 28.2\n"), "damping_kd",
-               "moteus_kd_Nms_rev");
-  // The shaft of a geared driver needs less: 1 / ratio^2.
-  EXPECT_EQ(
-      mistakes(with_drivers("moteus", "ratio = 10\nmoteus_kp_Nm_rev = 6.3\nmoteus_kd_Nms_rev = 0.32\n")), "");
-  // An ODrive is sent torques: its gains are computed here.
-  EXPECT_EQ(mistakes(with_drivers("odrive", "", "[supervisor]\nhold_kp_Nm_rad = 2000\n")), "");
-}
-
-/// The driver of a motor that gives less is asked for more. As shipped 4.5 of 5 Nm s/rad are in use.
-TEST(Hardware, GainsOfAWeakMotorAreThoseAskedOfItsDriver) {
-  EXPECT_EQ(
-      mistakes("[hip_L]\ntorque_factor = 0.8\n\n[supervisor]\nhold_kd_Nms_rad = 4\n"),
-      "robot.toml:2:17: supervisor.damping_kd_Nms_rad = 4.5 asks 5.625 Nm s/rad of the shaft of hip_L "
-      "(hip_L.torque_factor = 0.8), whose driver gives at most hip_driver.kd_range_Nms_rad = 5; set that "
-      "to what the driver's own configuration allows, or supervisor.damping_kd_Nms_rad to at most 4");
-  const std::string weak = mistakes("[knee_R]\ntorque_factor = 0.85\n\n[knee_L]\ntorque_factor = 0.88\n");
-  EXPECT_NE(weak.find("of the shaft of knee_R (knee_R.torque_factor = 0.85)"), std::string::npos) << weak;
-  EXPECT_NE(weak.find("damping_kd_Nms_rad to at most 4.25"), std::string::npos) << weak;
-  for (const char* factor : {"0.9", "0.95", "1.1", "2.0"}) {
-    EXPECT_EQ(mistakes("[hip_R]\ntorque_factor = " + std::string(factor) + "\n"), "") << factor;
-  }
-  const std::string weaker = mistakes("[hip_R]\ntorque_factor = 0.899\n");
-  EXPECT_NE(weaker.find("of the shaft of hip_R (hip_R.torque_factor = 0.899)"), std::string::npos) << weaker;
-  EXPECT_EQ(mistakes("[hip_L]\ntorque_factor = 0.8\n\n[supervisor]\nhold_kd_Nms_rad = 4\n"
-                     "damping_kd_Nms_rad = 4\n"),
-            "");
-  EXPECT_EQ(mistakes(with_drivers("odrive", "", "[hip_L]\ntorque_factor = 0.5\n")), "");
-}
-
 TEST(Hardware, ASlowTorsoSensorIsDueEveryFewTicks) {
   HardwareParameters hardware;
   for (const auto& [rate_hz, ticks] : {std::pair{1000.0, 1}, {500.0, 2}, {400.0, 3}, {2000.0, 1}}) {
@@ -259,13 +224,38 @@ TEST(Hardware, AMildReactionMustComeBeforeTheHardOne) {
   }
 }
 
-TEST(Hardware, ADamiaoHasOneRangeOfTorque) {
+TEST(Hardware, ADamiaoAndAnAkHaveOneRangeOfTorque) {
   EXPECT_EQ(mistakes("[knee_driver]\nreply_torque_range_Nm = 100\n"),
             "robot.toml:2:25: knee_driver.reply_torque_range_Nm = 100 must be knee_driver.torque_range_Nm = "
             "120: a Damiao has one range for both, its TMAX");
   EXPECT_NE(mistakes("[hip_driver]\ntorque_range_Nm = 100\n"), "");
   EXPECT_EQ(mistakes("[hip_driver]\ntorque_range_Nm = 100\nreply_torque_range_Nm = 100\n"), "");
-  EXPECT_EQ(mistakes(with_drivers("mit_ak", "reply_torque_range_Nm = 100\n", "")), "");
+  EXPECT_NE(mistakes(with_drivers("mit_ak", "torque_range_Nm = 18\n"))
+                .find("hip_driver.reply_torque_range_Nm = 120 must be hip_driver.torque_range_Nm = 18: an AK "
+                      "of version 1 or 2 has one range for both, that of its model"),
+            std::string::npos);
+  EXPECT_EQ(mistakes(with_drivers("mit_ak", "torque_range_Nm = 18\nreply_torque_range_Nm = 18\n")), "");
+  EXPECT_EQ(mistakes(with_drivers("mit_mini_cheetah", "reply_torque_range_Nm = 100\n")), "");
+}
+
+/// Every gain would arrive as another one.
+TEST(Hardware, GainsHaveTheRangeOfTheVendorsFirmware) {
+  for (const auto& [protocol, drivers] :
+       {std::pair{"mit_damiao", "every Damiao"}, {"mit_ak", "every AK of version 1 or 2"}}) {
+    const std::string found =
+        mistakes(with_drivers(protocol, "kp_range_Nm_rad = 250\nkd_range_Nms_rad = 10\n"));
+    for (const std::string section : {"hip_driver", "knee_driver"}) {
+      for (const auto& [key, right] :
+           {std::pair{".kp_range_Nm_rad = 250", "500"}, {".kd_range_Nms_rad = 10", "5"}}) {
+        EXPECT_NE(
+            found.find(section + key + ", but that of " + drivers + " is " + right + "; set it to that"),
+            std::string::npos)
+            << found;
+      }
+    }
+  }
+  EXPECT_EQ(mistakes(with_drivers("mit_mini_cheetah", "kp_range_Nm_rad = 250\nkd_range_Nms_rad = 10\n")), "")
+      << "its firmware is the user's";
 }
 
 TEST(Hardware, ALowVoltageThatAMiniCheetahCannotReportIsRefused) {
@@ -355,7 +345,7 @@ TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
 TEST(Hardware, BringUpAndWiringHaveTheNumbersOfTheFile) {
   const Result result = parse(
       "[hardware]\ndriver_watchdog_s = 0.05\nlongest_reply_lag_s = 0.0045\n"
-      "[knee_driver]\nprotocol = \"mit_ak\"\nminimum_version = 77\nencoder_period_rad = "
+      "[knee_driver]\nprotocol = \"mit_mini_cheetah\"\nminimum_version = 77\nencoder_period_rad = "
       "0.75\naccept_missing_watchdog = true\n"
       "torque_range_Nm = 40\nreply_torque_range_Nm = 45\n"
       "[torso_sensor]\nemergency_stop_timeout_s = 0.25\nencoder_offset_rad = 0.125\n",

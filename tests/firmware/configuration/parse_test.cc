@@ -178,8 +178,11 @@ TEST(Write, WhatIsWrittenReadsBackBitForBit) {
         choice->set(parameters, static_cast<int>(random() % words));
       }
     }
-    for (DriverParameters* driver : {&parameters.hardware.hip, &parameters.hardware.knee})
+    for (DriverParameters* driver : {&parameters.hardware.hip, &parameters.hardware.knee}) {
       driver->reply_torque_range_Nm = driver->torque_range_Nm;  // a Damiao has one range
+      driver->kp_range_Nm_rad = DriverParameters{}.kp_range_Nm_rad;
+      driver->kd_range_Nms_rad = DriverParameters{}.kd_range_Nms_rad;  // of its vendor
+    }
     parameters.supervisor.track_gait |= parameters.supervisor.select_gait;
     const std::string text = to_toml(parameters, "Heading");
     const Result result = parse(text, "robot.toml");
