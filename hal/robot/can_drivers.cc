@@ -22,10 +22,6 @@ bool loses_zero(const JointDriver& driver, const bring_up::Options& options) noe
          visit_driver(driver, [](const auto& any) { return counts_from_power_up(any); });
 }
 
-bool reports_by_itself(const JointDriver& driver) noexcept {
-  return visit_driver(driver, [](const auto& any) { return report_rate_hz(any); }) > 0;
-}
-
 }  // namespace
 
 CanDrivers::CanDrivers(const RobotWiring& wiring, const BringUpOptions& options, std::span<TapBus> taps,
@@ -70,9 +66,9 @@ bool CanDrivers::answers(std::size_t joint) noexcept {
   return !stepped_ || reports_by_itself(wiring_.joints[joint].driver) || of(joint).stage() == Stage::ready;
 }
 
-void CanDrivers::watch(const JointReadings& readings) noexcept {
+void CanDrivers::watch() noexcept {
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
-    const bool missed = readings[joint].missed_replies > 0 && answers(joint);
+    const bool missed = robot_.missed_reports(joint) > 0 && answers(joint);
     silent_reads_[joint] = missed ? silent_reads_[joint] + 1 : 0;
     const bool restarted = robot_.has_started(joint) || silent_reads_[joint] >= kMayHaveRestarted_reads;
     if (restarted && was_up_[joint] && loses_zero_[joint]) offset_is_void_[joint] = true;

@@ -32,9 +32,9 @@ class CanDrivers final {
   /// One step, once per tick, after the buses were read and instead of a command.
   [[nodiscard]] BringUpProgress step(std::int64_t now_ns) noexcept;
 
-  /// Once per read, with what it gave. Silence while an answer was due may be a loss of power, or of a cable.
+  /// Once per read, after it. Silence while an answer was due may be a loss of power, or of a cable.
   /// A driver that was up before and counts from power-up may have lost its zero: every later step fails.
-  void watch(const JointReadings& readings) noexcept;
+  void watch() noexcept;
 
   /// False: the angle of a joint that is up may be wrong by whole turns of its driver's encoder.
   [[nodiscard]] bool turn_known(std::size_t joint) const noexcept {

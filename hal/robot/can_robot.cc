@@ -59,6 +59,8 @@ JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noex
       if (result.status != BusStatus::more) break;
     }
   }
+  if (!wrote_) unsent_.fill(0);  // nothing was to leave: drivers are off, or brought up
+  wrote_ = false;
   bool complete = true;
   for (std::size_t joint = 0; joint < kJoints; ++joint) complete = !count_missed(joint) && complete;
   take_feed();
@@ -70,11 +72,18 @@ JointBusStatus CanRobot::read(std::int64_t now_ns, JointReadings& readings) noex
 }
 
 /// A driver that reports by its own clock is only missed once its next report is due.
-bool CanRobot::count_missed(std::size_t joint) noexcept {
+std::uint32_t CanRobot::missed_reports(std::size_t joint) const noexcept {
   const auto between = static_cast<std::uint32_t>(wiring_.joints[joint].report_period_ticks - 1);
+  return silent_reads_[joint] > between ? silent_reads_[joint] - between : 0;
+}
+
+/// Such a driver reports also while no command reaches it. So those that do not leave count as well.
+bool CanRobot::count_missed(std::size_t joint) noexcept {
   silent_reads_[joint] = fresh_[joint] ? 0 : silent_reads_[joint] + 1;
-  readings_[joint].missed_replies = silent_reads_[joint] > between ? silent_reads_[joint] - between : 0;
-  return readings_[joint].missed_replies > 0;
+  const JointWiring& wiring = wiring_.joints[joint];
+  const std::uint32_t missed_commands = reports_by_itself(wiring.driver) ? unsent_[wiring.bus] : 0;
+  readings_[joint].missed_replies = std::max(missed_reports(joint), missed_commands);
+  return missed_reports(joint) > 0;
 }
 
 void CanRobot::receive(std::int64_t now_ns, std::size_t bus, const CanFrame& frame) noexcept {
@@ -262,7 +271,7 @@ void CanRobot::clear_faults() noexcept {
   for (std::size_t joint = 0; joint < kJoints; ++joint) {
     const JointReading& reading = readings_[joint];
     const bool faulty = reading.fault != DriverFault::none || reading.state == DriverState::fault;
-    if (!faulty && reading.missed_replies <= kOldReading) continue;
+    if (!faulty && missed_reports(joint) <= kOldReading) continue;
     const JointWiring& wiring = wiring_.joints[joint];
     CanFrame frame;
     const bool usable_frame = visit_driver(wiring.driver, [&frame](const auto& driver) {
@@ -276,6 +285,7 @@ void CanRobot::clear_faults() noexcept {
 
 JointBusStatus CanRobot::send(const std::array<CanFrame, kJoints>& frames) noexcept {
   JointBusStatus status = bus_status();
+  wrote_ = true;
   for (std::size_t bus = 0; bus < bus_count_; ++bus) {
     std::array<CanFrame, kJoints> batch;
     std::size_t count = 0;
@@ -284,6 +294,8 @@ JointBusStatus CanRobot::send(const std::array<CanFrame, kJoints>& frames) noexc
     }
     if (count == 0) continue;
     const SendResult result = buses_[bus]->send(std::span(batch).first(count));
+    // Behind a slow adapter the frames of joints may leave by turns: each reaches its driver often enough.
+    unsent_[bus] = result.sent > 0 ? 0 : unsent_[bus] + 1;
     if (result.status == BusStatus::disconnected) status = JointBusStatus::disconnected;
     if (result.sent < count && status == JointBusStatus::ok) status = JointBusStatus::incomplete;
   }

@@ -48,6 +48,9 @@ class CanRobot final {
     return encoder_ ? encoder_->trouble() : canopen::EncoderTrouble{};
   }
 
+  /// Reads in a row without a new position of the joint since one was due, whatever left for its driver.
+  [[nodiscard]] std::uint32_t missed_reports(std::size_t joint) const noexcept;
+
   /// Whether the joint's driver reported in the newest read that it had no power. Most do not report that.
   [[nodiscard]] bool has_started(std::size_t joint) const noexcept { return started_[joint]; }
 
@@ -82,6 +85,8 @@ class CanRobot final {
   std::array<bool, kJoints> was_idle_{};               ///< in a frame of this read
   std::array<bool, kJoints> started_{};                ///< in this read
   std::array<std::uint32_t, kJoints> silent_reads_{};  ///< in a row
+  std::array<std::uint32_t, kMaximumBuses> unsent_{};  ///< writes in a row of which nothing left for the bus
+  bool wrote_ = false;                                 ///< since the newest read
   TorsoMeasurement torso_;
   bool pitch_is_channel_ = true;
   std::optional<canopen::EncoderReader> encoder_;

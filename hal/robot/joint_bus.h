@@ -21,7 +21,9 @@ struct JointReading {
   double motor_temperature_C = std::numeric_limits<double>::quiet_NaN();   ///< NaN: not reported
   double supply_V = std::numeric_limits<double>::quiet_NaN();              ///< NaN: not reported
   std::int64_t time_ns = 0;             ///< when the position arrived, CLOCK_MONOTONIC; 0: never
-  std::uint32_t missed_replies = 0;     ///< reads in a row without a new position since one was due
+  std::uint32_t missed_replies = 0;     ///< reads in a row without a new position since one was due. Of a
+                                        ///< driver that reports by its own clock at least the writes in a
+                                        ///< row of which nothing left for its bus
   std::uint32_t unchanged_replies = 0;  ///< new positions in a row with the very same bits
   std::uint32_t malformed = 0;          ///< frames of this joint that could not be decoded, since start
   DriverState state = DriverState::unknown;

@@ -54,7 +54,7 @@ BusStates RobotHardware::bus_states() noexcept {
 
 void RobotHardware::read(std::int64_t now_ns, RobotReadings& readings) noexcept {
   readings.status = robot_.read(now_ns, readings.joints);
-  drivers_.watch(readings.joints);
+  drivers_.watch();
   static_cast<void>(robot_.read_base(readings.base));  // its age is in the reading
   robot_.serve_torso_sensor(now_ns);
   readings.emergency_stop = robot_.read_emergency_stop(now_ns);

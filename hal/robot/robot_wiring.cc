@@ -38,6 +38,10 @@ bool valid_torso_sensor(const RobotWiring& wiring, std::size_t bus_count) noexce
 
 }  // namespace
 
+bool reports_by_itself(const JointDriver& driver) noexcept {
+  return visit_driver(driver, [](const auto& any) { return report_rate_hz(any); }) > 0;
+}
+
 int report_period_ticks(const JointDriver& driver, double tick_hz) noexcept {
   constexpr double kRounding = 1e-9;
   const double rate_hz = visit_driver(driver, [](const auto& any) { return report_rate_hz(any); });

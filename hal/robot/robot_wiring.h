@@ -41,6 +41,9 @@ struct JointWiring {
 /// reports by its own clock (report_rate_hz) gets its period and one read more, since it drifts against ours.
 [[nodiscard]] int report_period_ticks(const JointDriver& driver, double tick_hz) noexcept;
 
+/// Whether a driver reports by its own clock, also while no command reaches it.
+[[nodiscard]] bool reports_by_itself(const JointDriver& driver) noexcept;
+
 /// Number of the extra encoder that the joint's driver reports; -1: none.
 [[nodiscard]] int extra_encoder_of(const JointWiring& joint) noexcept;
 

@@ -242,6 +242,66 @@ TEST(AkRobotReadings, ASilentDriverIsLostAsSoonAsAnyOther) {
   EXPECT_LE(ticks, 13) << "10 reads, and 2 until the first was due";
 }
 
+/// It would go on with its last torque, and reports all the same.
+TEST(AkRobotReadings, CommandsThatDoNotLeaveAreMissesOfTheirBusAlone) {
+  AkRobot robot;
+  for (int i = 0; i < 50; ++i) robot.tick();
+  robot.buses_[0].set_queue_full(true);
+  for (std::uint32_t miss = 1; miss <= 12; ++miss) {
+    robot.tick();
+    for (std::size_t joint = 0; joint < kJoints; ++joint)
+      EXPECT_EQ(robot.readings_[joint].missed_replies, joint < 2 ? miss : 0u) << joint;
+  }
+  robot.buses_[0].set_queue_full(false);
+  robot.buses_[0].clear_sent();
+  robot.robot_->clear_faults();
+  EXPECT_TRUE(robot.buses_[0].sent().empty()) << "they are not silent";
+  robot.tick();
+  for (const JointReading& reading : robot.readings_) EXPECT_EQ(reading.missed_replies, 0u);
+}
+
+TEST(AkRobotReadings, WhereNothingIsCommandedNoCommandIsMissed) {
+  AkRobot robot;
+  for (int i = 0; i < 50; ++i) robot.tick();
+  robot.buses_[0].set_queue_full(true);
+  for (int i = 0; i < 5; ++i) robot.tick();
+  EXPECT_EQ(robot.readings_[0].missed_replies, 5u);
+  robot.clock_.advance(kTick_ns);
+  static_cast<void>(robot.robot_->read(robot.clock_.now_ns(), robot.readings_));
+  EXPECT_EQ(robot.readings_[0].missed_replies, 0u);
+}
+
+/// Takes one frame of a batch, of one joint after the other, as an adapter with slow echoes.
+class SlowBus final : public FrameBus {
+ public:
+  explicit SlowBus(FrameBus& inner) : inner_(inner) {}
+  [[nodiscard]] SendResult send(std::span<const CanFrame> frames) noexcept override {
+    return {inner_.send(frames.subspan(turn_++ % frames.size(), 1)).sent, BusStatus::unconfirmed};
+  }
+  [[nodiscard]] ReceiveResult receive(std::span<CanFrame> frames) noexcept override {
+    return inner_.receive(frames);
+  }
+  [[nodiscard]] BusHealth health() const noexcept override { return inner_.health(); }
+  void clear_bus_off() noexcept override {}
+  [[nodiscard]] const BusCounters& counters() const noexcept override { return inner_.counters(); }
+
+ private:
+  FrameBus& inner_;
+  std::size_t turn_ = 0;
+};
+
+TEST(AkRobotReadings, CommandsThatLeaveByTurnsAreNotMissed) {
+  AkRobot robot;
+  for (int i = 0; i < 50; ++i) robot.tick();
+  SlowBus slow(robot.buses_[0]);
+  robot.robot_ = std::make_unique<CanRobot>(robot.wiring_, std::array<FrameBus*, 2>{&slow, &robot.buses_[1]});
+  for (int i = 0; i < 50; ++i) {
+    robot.tick();
+    if (i < 5) continue;  // until the first report is due
+    for (const JointReading& reading : robot.readings_) ASSERT_EQ(reading.missed_replies, 0u) << i;
+  }
+}
+
 /// At every phase of its report: where a status follows in the same read, too.
 TEST(AkRobotReadings, AStartShowsInItsReadWhateverFollows) {
   for (const double rate_hz : {500.0, 333.0}) {

@@ -196,6 +196,20 @@ TEST(CanDrivers, OneThatCountsFromPowerUpIsRefusedAfterSilence) {
   }
 }
 
+TEST(CanDrivers, OneThatReportsWhileNoCommandLeavesHasItsPower) {
+  Bench bench(Kind::odrive);
+  const std::array<FrameBus*, 2> buses{&bench.robot.buses_[0], &bench.robot.buses_[1]};
+  RobotHardware hardware(bench.robot.wiring_, bench.options, buses);
+  ASSERT_TRUE(bench.run(hardware).ready);
+  command(bench, hardware, 50);
+  for (mock::MockBus& bus : bench.robot.buses_) bus.set_queue_full(true);
+  command(bench, hardware, 15);
+  for (mock::MockBus& bus : bench.robot.buses_) bus.set_queue_full(false);
+  command(bench, hardware, 50);
+  const BringUpProgress progress = bench.run(hardware);
+  EXPECT_TRUE(progress.ready) << name(progress.failure);
+}
+
 TEST(CanDrivers, OneThatLosesItsPowerWhileOthersComeUpIsRefused) {
   Bench bench(Kind::odrive);
   bench.robot.drivers_[1]->set_powered(false);

@@ -87,6 +87,26 @@ TEST_P(EveryProtocol, ALostReplyIsAMissAndNothingElse) {
   }
 }
 
+/// An ODrive reports all the same, and goes on with its last torque until its watchdog ends it.
+TEST_P(EveryProtocol, CommandsThatDoNotLeaveAreMisses) {
+  Robot robot(GetParam());
+  const auto tick = [&] {
+    static_cast<void>(robot.robot_->write(some_commands()));
+    robot.clock_.advance(kTick_ns);
+    static_cast<void>(robot.read());
+  };
+  tick();
+  robot.buses_[0].set_queue_full(true);
+  for (std::uint32_t miss = 1; miss <= 5; ++miss) {
+    tick();
+    for (std::size_t joint = 0; joint < kJoints; ++joint)
+      EXPECT_EQ(robot.readings_[joint].missed_replies, joint < 2 ? miss : 0u) << joint;
+  }
+  robot.buses_[0].set_queue_full(false);
+  tick();
+  for (const JointReading& reading : robot.readings_) EXPECT_EQ(reading.missed_replies, 0u);
+}
+
 TEST_P(EveryProtocol, LateRepliesArriveAsMissesThenAsReadings) {
   Robot robot(GetParam());
   static_cast<void>(robot.robot_->write(some_commands()));
