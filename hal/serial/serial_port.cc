@@ -76,7 +76,21 @@ std::expected<SerialPort, std::string> SerialPort::open(const std::string& path,
   }
   static_cast<void>(ioctl(descriptor, TIOCEXCL));  // a second program is refused
   ask_for_low_latency(descriptor);
+  port.writes_ = access == Access::read_write;
   return port;
+}
+
+/// The kernel's close() waits for up to 30 s until all bytes have left (closing_wait of tty_port.c).
+SerialPort::~SerialPort() {
+  constexpr int kSteps = 20;
+  constexpr timespec kStep{0, 1'000'000};
+  if (!descriptor_.open() || !writes_) return;
+  int waiting = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    if (ioctl(descriptor_.get(), TIOCOUTQ, &waiting) != 0 || waiting == 0) return;
+    nanosleep(&kStep, nullptr);
+  }
+  static_cast<void>(tcflush(descriptor_.get(), TCOFLUSH));
 }
 
 bool SerialPort::wait(std::int64_t timeout_ns) const noexcept {

@@ -31,6 +31,14 @@ class SerialPort {
                                                                    int bit_rate_bit_s,
                                                                    Access access = Access::read);
 
+  /// What was written has a moment to leave. The rest is dropped: a device that takes no bytes does not hold
+  /// the program up.
+  ~SerialPort();
+  SerialPort(SerialPort&&) noexcept = default;
+  SerialPort& operator=(SerialPort&&) noexcept = default;
+  SerialPort(const SerialPort&) = delete;
+  SerialPort& operator=(const SerialPort&) = delete;
+
   /// Waits for bytes. False: none came in time.
   [[nodiscard]] bool wait(std::int64_t timeout_ns) const noexcept;
 
@@ -47,6 +55,7 @@ class SerialPort {
   explicit SerialPort(int descriptor) noexcept : descriptor_(descriptor) {}
 
   socketcan::Descriptor descriptor_;
+  bool writes_ = false;  ///< the port is ours to write
 };
 
 }  // namespace stilt::hal::serial
