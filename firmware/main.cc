@@ -272,14 +272,15 @@ int run_self_test(const program::Options& options) {
 /// Commands that give a joint torque need what the controller needs: frames that carry its angles and
 /// torques.
 std::expected<void, std::string> check_buses(const program::Options& options) {
-  if (options.task != program::Task::jog && options.task != program::Task::identify) return {};
+  if (!program::gives_torque(options.task)) return {};
   const program::BusReport buses = program::report_buses(options.configuration);
   if (!buses.refused) return {};
   std::fputs(buses.text.c_str(), stderr);
   return std::unexpected(kBusesRefused);
 }
 
-/// scan, watch, jog, zero, calibrate, identify: no torque loop, and no machine that must keep time.
+/// scan, watch, jog, zero, calibrate, identify: no torque loop, and no machine that must keep time. jog and
+/// identify end limp once their own loop has stood still.
 int run_commissioning(const program::Options& options) {
   std::vector<hal::AnyBus> buses;
   if (const auto writable = check_files(options); !writable) return refuse(options, writable.error());

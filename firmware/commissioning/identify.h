@@ -42,7 +42,7 @@ struct IdentificationReport {
 
 /// Brings the drivers up, excites each joint, and turns them off. Torque, travel and speed stay within
 /// limits. Beyond them, at a fault, at the emergency stop and without a pitch the robot is limp and the error
-/// names the cause.
+/// names the cause. So it is once the loop has stood still.
 [[nodiscard]] std::expected<Excitation, std::string> excite(Session& session,
                                                             const IdentificationRequest& request);
 

@@ -70,7 +70,7 @@ struct JogMotion {
 /// that motion is limited to what the first part needed, more for the larger angle, and to
 /// JogRequest::torque_share.
 /// @return  the error says what stopped it: emergency stop, silent or faulty driver, legs that swing, a joint
-///          that turns faster than 2 rad/s
+///          that turns faster than 2 rad/s. Or that the loop stood still while the joint had torque
 [[nodiscard]] std::expected<JogMotion, std::string> jog(Session& session, const JogRequest& request);
 
 }  // namespace stilt::commissioning

@@ -1,8 +1,10 @@
 #include "firmware/commissioning/session.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
+#include "firmware/commissioning/formatted.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/diagnostics/event_text.h"
 
@@ -10,7 +12,10 @@ namespace stilt::commissioning {
 namespace {
 
 constexpr std::int64_t kLongestBringUp_ns = 5'000'000'000;
-constexpr int kLastTicks = 5;
+
+bool gives_torque(const hal::JointCommand& command) {
+  return command.torque_Nm != 0 || command.kp_Nm_rad != 0 || command.kd_Nms_rad != 0;
+}
 
 }  // namespace
 
@@ -23,12 +28,15 @@ hal::JointValues joint_angles(const hal::RobotReadings& readings) {
 }
 
 std::int64_t Session::begin_tick() {
+  const std::int64_t before_ns = began_ns_;
   began_ns_ = clock_.sleep_until(pace_.next_ns());
+  stall_ns_ = gives_torque_ ? began_ns_ - before_ns : 0;
   robot_.read(began_ns_, readings_);
   return began_ns_;
 }
 
 void Session::command(const hal::JointCommands& commands) {
+  gives_torque_ = std::ranges::any_of(commands, gives_torque);
   static_cast<void>(robot_.write(commands));  // a frame that did not leave shows as a missed reply
 }
 
@@ -54,9 +62,11 @@ std::string Session::trouble() const {
     if (reading.fault != hal::DriverFault::none) {
       return driver + ": " + diagnostics::fault_text(reading.fault, reading.fault_code);
     }
-    if (reading.missed_replies > kSilentReads || !std::isfinite(reading.position_rad)) {
-      return driver + " is silent";
-    }
+    if (!std::isfinite(reading.position_rad)) return driver + " is silent";
+    if (reading.missed_replies <= kSilentReads) continue;
+    const bool reports = began_ns_ - reading.time_ns <= kSilentReads * tick_ns_;
+    return reports ? "no command leaves for the " + driver + ": look at the adapter of its bus"
+                   : driver + " is silent";
   }
   return "";
 }
@@ -85,12 +95,23 @@ std::string Session::limit_trouble() const {
   return "";
 }
 
+std::string Session::stall_trouble() const {
+  const double stall_s = 1e-9 * static_cast<double>(stall_ns_);
+  if (stall_s <= limits_.stall_s) return "";
+  return formatted(
+      "the loop stood still for %.3f s while a joint had torque, and supervisor.torque_loop_stall_s is %g: "
+      "give it priority and a processor of its own (docs/deployment.md)",
+      stall_s, limits_.stall_s);
+}
+
 std::string Session::trouble_with_torque() const {
   if (stopped()) return "stopped";
   if (readings_.emergency_stop == hal::EmergencyStopState::pressed) return "emergency stop";
   if (readings_.emergency_stop == hal::EmergencyStopState::unknown) return "emergency stop is silent";
-  const std::string driver = trouble();
-  return driver.empty() ? limit_trouble() : driver;
+  for (const std::string& found : {stall_trouble(), trouble()}) {
+    if (!found.empty()) return found;
+  }
+  return limit_trouble();
 }
 
 std::expected<void, std::string> Session::bring_up() {

@@ -17,12 +17,17 @@ namespace stilt::commissioning {
 /// Reads without a new position or pitch: older readings are not current.
 inline constexpr std::uint32_t kSilentReads = 20;
 
+/// Ticks that disable the drivers at the end of a program. Where the echo of a driver's last command is lost,
+/// a bus withholds the first 6 of them (hal::socketcan::Confirmations::kOvertaken).
+inline constexpr int kLastTicks = 10;
+
 /// Beyond these a joint gets no torque: those of the supervisor (firmware/supervisor/parameters.h). What a
-/// driver does not report is NaN and within them.
+/// driver does not report is NaN and within them. A stall is one of this loop.
 struct DriverLimits {
   double overheated_C = std::numeric_limits<double>::infinity();  ///< driver or motor
   double low_voltage_V = 0.0;                                     ///< supply
   double high_voltage_V = std::numeric_limits<double>::infinity();
+  double stall_s = std::numeric_limits<double>::infinity();  ///< from a tick that gives torque to the next
 };
 
 /// A robot without its controller: drivers are brought up, read and commanded at the rate of the torque
@@ -51,7 +56,7 @@ class Session {
   /// A tick with these commands; without any the robot is limp.
   void tick(const hal::JointCommands& commands = {});
   /// Every driver off. A bus withholds a frame until a read has seen the last one with its identifier leave.
-  /// Several ticks make this frame each driver's last.
+  /// kLastTicks make this frame each driver's last.
   void disable();
 
   [[nodiscard]] const hal::RobotReadings& readings() const noexcept { return readings_; }
@@ -65,10 +70,12 @@ class Session {
   /// Why the torso's pitch is not current; empty: it is. For commands that need it.
   [[nodiscard]] std::string torso_trouble() const;
   /// The same, a limit of a driver, and an emergency stop that is pressed or silent: before and while a joint
-  /// gets torque.
+  /// gets torque. And stall_trouble().
   [[nodiscard]] std::string trouble_with_torque() const;
   /// The first temperature or supply beyond the limits of a driver, with that limit; empty: none is.
   [[nodiscard]] std::string limit_trouble() const;
+  /// Why the loop stood still while a joint had torque; empty: it did not.
+  [[nodiscard]] std::string stall_trouble() const;
   [[nodiscard]] bool stopped() const noexcept { return stop_.load(std::memory_order_relaxed); }
 
  private:
@@ -79,6 +86,8 @@ class Session {
   std::int64_t tick_ns_;
   realtime::Pace pace_;
   std::int64_t began_ns_ = 0;
+  std::int64_t stall_ns_ = 0;  ///< from the tick before to this one, where that one gave torque
+  bool gives_torque_ = false;  ///< the newest command
   hal::RobotReadings readings_;
 };
 

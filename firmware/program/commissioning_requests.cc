@@ -10,7 +10,8 @@ commissioning::DriverLimits driver_limits(const Options& options) {
   const supervisor::SupervisorParameters& supervisor = options.configuration.supervisor;
   return {.overheated_C = supervisor.overheated_C,
           .low_voltage_V = supervisor.low_voltage_V,
-          .high_voltage_V = supervisor.high_voltage_V};
+          .high_voltage_V = supervisor.high_voltage_V,
+          .stall_s = supervisor.torque_loop_stall_s};
 }
 
 commissioning::JogRequest jog_request(const Options& options, const model::RobotModel& robot) {

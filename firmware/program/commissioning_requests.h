@@ -9,7 +9,7 @@
 
 namespace stilt::program {
 
-/// Temperatures and supplies that drivers may have: those of the supervisor.
+/// Temperatures and supplies that drivers may have, and how long the loop may stand still: the supervisor's.
 [[nodiscard]] commissioning::DriverLimits driver_limits(const Options& options);
 /// What jog and identify may do by the command line and the configuration. Torque is bounded by the command's
 /// own share and by supervisor.torque_limit_share, whichever is smaller. `robot` outlives the requests.

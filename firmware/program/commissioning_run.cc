@@ -285,6 +285,9 @@ std::expected<void, std::string> run_with_clock(const Options& options, Controll
   if (!thread.start({"commissioning", runtime.torque_priority, runtime.torque_core}, call, &body)) {
     return std::unexpected("no thread can be started");
   }
+  const std::string refused = thread.refused();
+  if (gives_torque(options.task) && !refused.empty())
+    std::fprintf(stderr, "not real time: %s\n", refused.c_str());
   thread.join();
   return {};
 }

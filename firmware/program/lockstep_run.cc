@@ -1,5 +1,6 @@
 #include "firmware/program/lockstep_run.h"
 
+#include "firmware/commissioning/session.h"
 #include "firmware/control_loop/planner_schedule.h"
 #include "firmware/program/black_box_file.h"
 #include "firmware/program/torso_sensor_report.h"
@@ -11,8 +12,6 @@ namespace {
 
 /// How long the simulated robot may take for one tick.
 constexpr double kPatience_s = 10.0;
-/// Ticks after the end: the last commands leave the buses.
-constexpr int kLastTicks = 5;
 /// Ticks after the robot stopped answering: enough for what its silence leads to.
 constexpr int kTicksAlone = 100;
 
@@ -31,7 +30,7 @@ void run_lockstep(const Options& options, std::size_t bus_count, ControllerState
   int ticks_off = 0, ticks_alone = 0;
   TorsoSensorReport torso_sensor(options);
   BlackBoxFile black_box(options, state);
-  for (long long tick = 0; ticks_off < kLastTicks && ticks_alone < kTicksAlone; ++tick) {
+  for (long long tick = 0; ticks_off < commissioning::kLastTicks && ticks_alone < kTicksAlone; ++tick) {
     operate(state);
     publish(state, state.loop, state.planning);
     {

@@ -27,6 +27,11 @@ enum class Task {
   nothing,       ///< --help or --version: printed already
 };
 
+/// Commands that close loops of torque without the controller.
+[[nodiscard]] constexpr bool gives_torque(Task task) noexcept {
+  return task == Task::jog || task == Task::identify;
+}
+
 /// What the command line asks for.
 struct Options {
   Task task = Task::control;

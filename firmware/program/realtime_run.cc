@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <string>
 
+#include "firmware/commissioning/session.h"
 #include "firmware/diagnostics/histogram_text.h"
 #include "firmware/program/black_box_file.h"
 #include "firmware/program/interrupt_report.h"
@@ -22,8 +23,6 @@
 namespace stilt::program {
 namespace {
 
-/// Ticks after the supervisor is off: the last commands leave the buses.
-constexpr int kLastTicks = 5;
 /// Every so many ticks the statistics go to housekeeping.
 constexpr long long kStatisticsEvery = 250;
 /// Every so many ticks the round trip on the buses is measured, within this share of the tick.
@@ -82,7 +81,7 @@ void run_torque_loop(void* context) {
   realtime::Pace pace(clock.now_ns() + tick_ns, tick_ns);
   const long long faults_before = page_faults();
   control_loop::TickTiming timing;
-  for (int ticks_off = 0; ticks_off < kLastTicks;) {
+  for (int ticks_off = 0; ticks_off < commissioning::kLastTicks;) {
     timing.now_ns = clock.sleep_until(pace.next_ns());
     timing.wakeup_latency_ns = timing.now_ns - pace.next_ns();
     state.control.tick(timing);

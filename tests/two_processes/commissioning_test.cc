@@ -289,6 +289,18 @@ TEST(TwoProcesses, NoCommandWorksBesideARunningController) {
   EXPECT_EQ(run.controller().wait(0), 0) << run.said();
 }
 
+TEST(TwoProcesses, AJogOnAThreadThatDidNotGetItsProcessorIsNotRealTime) {
+  RobotAndController run;
+  run.start_robot({"--once", "--hang"});
+  run.start_command({"jog", "hip_L", "0.2"},
+                    {"--set", "runtime.torque_core=1023", "--answers", answers(run, "none\n")});
+  EXPECT_TRUE(wait_for_text(run.file("controller.err"),
+                            "not real time: the thread of the commissioning did not get ", kLongestRun_s))
+      << run.said();
+  run.controller().signal(SIGINT);
+  run.expect_both_to_end();
+}
+
 TEST(TwoProcesses, NoSelfTestWorksBesideAControllerThatWalks) {
   RobotAndController run;
   run.start_robot({"--lockstep", "--once"});

@@ -17,17 +17,17 @@ namespace stilt::hal::socketcan {
 /// - The kernel sends in order, and a controller with several mailboxes by priority. A frame that more than
 ///   kOvertaken later ones have passed is not delayed.
 /// - Where all echoes of a bus are lost nothing is sent, so nothing can pass. After kOvertaken refusals in a
-/// row
-///   an identifier may be sent again, then after twice and four times as many; after kTries of them only a
-///   reset (try_again) lets it through. So a silent bus never holds more than 1 + kTries frames of an
+///   row an identifier may be sent again, then after twice and four times as many. After kTries of them only
+///   a reset (try_again) lets it through. So a silent bus never holds more than 1 + kTries frames of an
 ///   identifier.
 ///
 /// Fixed memory, real-time safe.
 class Confirmations {
  public:
   static constexpr std::size_t kCapacity = 32;
-  static constexpr std::uint64_t kOvertaken =
-      6;  ///< fewer ticks than the supervisor waits for a joint's reply
+  /// Fewer ticks than the supervisor waits for a joint's reply, and fewer than disable the drivers at the end
+  /// of a program.
+  static constexpr std::uint64_t kOvertaken = 6;
   static constexpr std::uint32_t kTries = 3;
 
   /// Whether a frame with this identifier has to wait.

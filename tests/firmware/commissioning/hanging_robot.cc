@@ -141,6 +141,14 @@ void HangingRobot::forget_sightings() {
   first_link_.reset();
 }
 
+void stall_with_torque(HangingRobot& robot, std::int64_t stall_ns) {
+  robot.each_tick = [&robot, stall_ns, stalled = false]() mutable {
+    if (stalled || robot.peak_torque_Nm(0) < 0.5) return;
+    stalled = true;
+    static_cast<void>(robot.sleep_until(robot.now_ns() + stall_ns));
+  };
+}
+
 void Onlooker::ask(const std::string& question) {
   const Sighting seen = robot_.sighting();
   if (question.starts_with("Which link")) {

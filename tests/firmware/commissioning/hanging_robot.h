@@ -97,6 +97,9 @@ class HangingRobot final : public hal::Clock {
   double first_way_ = 0.0;
 };
 
+/// The program stands still once, for so long, when the left hip has torque; the robot goes on.
+void stall_with_torque(HangingRobot& robot, std::int64_t stall_ns);
+
 /// Answers from what the robot's links did.
 class Onlooker final : public Person {
  public:

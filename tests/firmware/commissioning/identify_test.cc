@@ -316,6 +316,19 @@ TEST(Identify, AnEmergencyStopEndsItLimp) {
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) EXPECT_LT(robot.peak_torque_Nm(joint), 0.06);
 }
 
+/// An AK of version 3 goes on with the last torque meanwhile.
+TEST(Identify, AStallEndsItLimp) {
+  HangingRobot robot(
+      {.both = testing::kAkV3, .robot = {}, .miswired = {}, .plant = {}, .angles_known = true});
+  testing::stall_with_torque(robot, 100'000'000);
+  Session session = robot.session({.stall_s = 0.01});
+  const auto excitation = excite(session, request_of(robot));
+  ASSERT_FALSE(excitation);
+  EXPECT_TRUE(excitation.error().starts_with("the loop stood still for 0.101 s")) << excitation.error();
+  static_cast<void>(robot.sleep_until(robot.now_ns() + 2'000'000));
+  EXPECT_LT(robot.robot.plant().applied_torque_Nm().cwiseAbs().maxCoeff(), 0.06) << "a step of a frame";
+}
+
 TEST(Identify, DriversAreOffBeforeAnythingIsFitted) {
   HangingRobot robot;
   Session session = robot.session();

@@ -67,7 +67,7 @@ const std::vector<Miswiring>& miswirings() {
       {"exchanged encoders", {{}, {}, {"encoder-exchanged:hip_R"}}, kKneeRight, Finding::exchanged_encoders},
       {"half the gear", {{}, {"hip_driver.ratio=2"}, {}}, kHipLeft, Finding::wrong_ratio},
       {"twice the gear",
-       {{}, {"knee_driver.ratio=0.5", "knee_driver.kd_range_Nms_rad=50"}, {}},
+       {{}, {"knee_driver.ratio=0.5", "supervisor.hold_kd_Nms_rad=1", "supervisor.damping_kd_Nms_rad=1"}, {}},
        kKneeRight,
        Finding::wrong_ratio},
   };
@@ -273,6 +273,25 @@ TEST(Jog, AStopDuringTheMotionEndsIt) {
   const auto motion = jog(session, robot.jog_request(kHipLeft, 0.2));
   ASSERT_FALSE(motion);
   EXPECT_EQ(motion.error(), "stopped");
+}
+
+/// An AK of version 3 goes on with the last torque meanwhile.
+TEST(Jog, AStallWithTorqueEndsItLimp) {
+  for (const std::int64_t stall_ns : {5'000'000, 100'000'000}) {
+    HangingRobot robot({.both = testing::kAkV3, .robot = {}, .miswired = {}});
+    testing::stall_with_torque(robot, stall_ns);
+    Session session = robot.session({.stall_s = 0.01});
+    ASSERT_TRUE(session.bring_up());
+    const auto motion = jog(session, robot.jog_request(kHipLeft, 0.2));
+    if (stall_ns < 10'000'000) {
+      EXPECT_TRUE(motion) << motion.error();
+      continue;
+    }
+    ASSERT_FALSE(motion);
+    EXPECT_TRUE(motion.error().starts_with("the loop stood still for 0.101 s")) << motion.error();
+    static_cast<void>(robot.sleep_until(robot.now_ns() + 2'000'000));
+    EXPECT_LT(robot.robot.plant().applied_torque_Nm().cwiseAbs().maxCoeff(), kAStepOfAFrame_Nm);
+  }
 }
 
 /// Answers that somebody wrote down before.

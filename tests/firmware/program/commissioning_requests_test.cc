@@ -31,5 +31,18 @@ TEST(CommissioningRequests, TheSupervisorsBoundsOfEncodersCount) {
   EXPECT_EQ(identification_request(options, robot).supervisor.unchanged_replies_limit, 70);
 }
 
+TEST(CommissioningRequests, TheSupervisorsLimitsOfDriversAndOfTheLoopCount) {
+  Options options;
+  options.configuration.supervisor.overheated_C = 81;
+  options.configuration.supervisor.low_voltage_V = 22;
+  options.configuration.supervisor.high_voltage_V = 33;
+  options.configuration.supervisor.torque_loop_stall_s = 0.02;
+  const commissioning::DriverLimits limits = driver_limits(options);
+  EXPECT_EQ(limits.overheated_C, 81);
+  EXPECT_EQ(limits.low_voltage_V, 22);
+  EXPECT_EQ(limits.high_voltage_V, 33);
+  EXPECT_EQ(limits.stall_s, 0.02);
+}
+
 }  // namespace
 }  // namespace stilt::program
