@@ -46,7 +46,7 @@ struct SupervisorParameters {
   double heartbeat_timeout_s = 0.4;     ///< silence of the operator's program
   double operator_gone_s = 30.0;        ///< silence of the operator's program before the robot sits
   double emergency_stop_wait_s = 1.0;   ///< after the start, for the emergency stop's first report
-  double emergency_stop_damps_s = 3.0;  ///< damped after an emergency stop, then the motors are off
+  double emergency_stop_damps_s = 3.0;  ///< damped before the motors are off: emergency stop, end, reset
   double stand_pose_margin_rad = 0.2;   ///< joints and torso off the standing pose, at most, to stand up
   double stand_speed_rad_s = 1.0;       ///< speed of joints and torso, at most, to stand up
   double stance_margin_rad = 0.5;       ///< while it stands up: farther off, the attempt ends

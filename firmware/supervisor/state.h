@@ -54,10 +54,13 @@ inline constexpr std::size_t kStates = 11;
 /// The joints may get torque that is more than damping.
 [[nodiscard]] constexpr bool has_torque(State state) noexcept { return tracks(state) || state == State::sit; }
 
-/// The drivers get commands.
-[[nodiscard]] constexpr bool drives(State state) noexcept {
-  return has_torque(state) || state == State::ready || state == State::fault;
+/// The joints are damped and get no other torque; in a fault the motors may be off instead.
+[[nodiscard]] constexpr bool damps(State state) noexcept {
+  return state == State::ready || state == State::fault;
 }
+
+/// The drivers get commands.
+[[nodiscard]] constexpr bool drives(State state) noexcept { return has_torque(state) || damps(state); }
 
 /// What makes a state end.
 enum class Condition : std::uint8_t {
@@ -86,7 +89,8 @@ enum class Guard : std::uint8_t {
   ramping,        ///< it has not yet
   cannot_step,    ///< there is neither a plan recent enough nor a gait to step with
   slowed_down,    ///< stepped in place, or stood with both feet down, for long enough
-  causes_gone,    ///< a reset is under way, and no fault that latches is present
+  damped,         ///< the joints were damped for emergency_stop_damps_s, or the motors are off
+  causes_gone,    ///< a reset is under way, after damping, and no fault that latches is present
   none_latched,   ///< no fault waits for a reset
   fit_to_stand,   ///< nor does one, and the robot is in a pose to stand up from
   fault_latched,  ///< one does
@@ -121,8 +125,8 @@ inline constexpr auto kTransitions = std::to_array<Transition>({
     {State::ready, Condition::request_cut, Guard::always, State::off},
     {State::ready, Condition::damp_fault, Guard::always, State::fault},
     {State::ready, Condition::sit_fault, Guard::always, State::fault},
-    {State::ready, Condition::shut_down, Guard::always, State::off},
-    {State::ready, Condition::request_off, Guard::always, State::off},
+    {State::ready, Condition::shut_down, Guard::damped, State::off},
+    {State::ready, Condition::request_off, Guard::damped, State::off},
     {State::ready, Condition::request_stand, Guard::fit_to_stand, State::stand},
 
     {State::stand, Condition::request_cut, Guard::always, State::off},
@@ -164,8 +168,8 @@ inline constexpr auto kTransitions = std::to_array<Transition>({
     {State::sit, Condition::sit_done, Guard::none_latched, State::ready},
 
     {State::fault, Condition::request_cut, Guard::always, State::off},
-    {State::fault, Condition::shut_down, Guard::always, State::off},
-    {State::fault, Condition::request_off, Guard::always, State::off},
+    {State::fault, Condition::shut_down, Guard::damped, State::off},
+    {State::fault, Condition::request_off, Guard::damped, State::off},
     {State::fault, Condition::request_reset, Guard::causes_gone, State::idle},
 });
 

@@ -146,17 +146,20 @@ void Supervisor::void_request_when_met(const Request& request) noexcept {
 }
 
 /// A reset that brings links back also brings back what their drivers have kept: it goes on. Without its host
-/// the robot still goes where it rests: to sit and off, which take their time, and stay asked for.
+/// the robot still goes where it rests: to sit and off, which take their time, and stay asked for. Once the
+/// joints are damped, no fault keeps the motors from going off.
 void Supervisor::void_request_after_faults(const Request& request) noexcept {
   const FaultSet unforeseen = resetting_ ? output_.raised - kOfReplies : output_.raised;
-  const bool new_latched = !(unforeseen & kLatching).empty();
+  const bool goes_off = damps(output_.state) && request.kind == RequestKind::off;
+  const bool new_latched = !goes_off && !(unforeseen & kLatching).empty();
   const bool alone = output_.present.has(Fault::heartbeat_lost) && !leads_to_rest(request.kind);
   if (new_latched || alone) void_number_ = std::max(void_number_, request.number);
 }
 
-/// A reset that finds a cause still present when its window ends is void: nothing resets itself later.
+/// A reset begins when the joints were damped. One that finds a cause still present when its window ends is
+/// void: nothing resets itself later.
 void Supervisor::watch_reset_window(const Request& request) noexcept {
-  const bool asked = output_.state == State::fault && requested(RequestKind::reset, request);
+  const bool asked = output_.state == State::fault && was_damped() && requested(RequestKind::reset, request);
   if (asked && !resetting_) reset_ns_ = now_ns_;
   resetting_ = asked;
   if (asked && since_s(reset_ns_) > parameters_.reset_window_s) {
@@ -184,6 +187,7 @@ void Supervisor::give_up_waiting_to_stand(const Request& request) noexcept {
 bool Supervisor::requested(RequestKind kind, const Request& request) const noexcept {
   const bool steps = kind == RequestKind::step || kind == RequestKind::walk;
   if (steps && (shutting_down_ || !output_.latched.empty())) return false;  // on its way to sit
+  if (kind == RequestKind::stand && shutting_down_) return false;           // nor to stand up again
   return request.kind == kind && request.number > void_number_;
 }
 
@@ -239,6 +243,8 @@ bool Supervisor::passes(Guard guard) const noexcept {
       return !can_step_;
     case Guard::slowed_down:
       return since_s(entered_ns_) >= parameters_.slow_down_s;
+    case Guard::damped:
+      return was_damped();
     case Guard::causes_gone:
       return resetting_ && now_ns_ > reset_ns_ && (output_.present & kLatching).empty();
     case Guard::none_latched:
@@ -268,6 +274,7 @@ void Supervisor::enter(State state) noexcept {
     output_.reaction = reaction(output_.present);
     output_.clear_buses = resetting_ = false;
   }
+  if (damps(state) && !damps(before)) damped_ns_ = now_ns_;
   if (drives(state) && !drives(before)) driven_ns_ = now_ns_;
   if (state == State::idle) {
     was_up_ = was_up_ || drivers_are_ != DriversAre::left_alone;
@@ -298,9 +305,16 @@ Reaction Supervisor::reaction_of_level() const noexcept {
   return hardest;
 }
 
-/// After an emergency stop the robot settles damped; then the motors need no power until a reset.
+/// In ready and fault: a robot that sat or fell is down, and its joints may go limp.
+bool Supervisor::was_damped() const noexcept {
+  return output_.level == FallbackLevel::off || since_s(damped_ns_) >= parameters_.emergency_stop_damps_s;
+}
+
+/// After an emergency stop the robot settles damped; then the motors need no power until a reset with the
+/// stop released.
 bool Supervisor::stopped_for_good() const noexcept {
-  return output_.state == State::fault && output_.latched.has(Fault::emergency_stop) && !resetting_ &&
+  const bool resets = resetting_ && !output_.present.has(Fault::emergency_stop);
+  return output_.state == State::fault && output_.latched.has(Fault::emergency_stop) && !resets &&
          since_s(std::max(stopped_ns_, entered_ns_)) >= parameters_.emergency_stop_damps_s;
 }
 

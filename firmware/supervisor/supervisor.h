@@ -12,8 +12,8 @@
 
 namespace stilt::supervisor {
 
-/// off: walk, step, stand, sit, then the motors off (stop category 1 of IEC 60204-1). cut: the motors off at
-/// once (category 0); a standing robot falls. Both end the program.
+/// off: walk, step, stand, sit, damp, then the motors off (stop category 1 of IEC 60204-1). cut: the motors
+/// off at once (category 0); a standing robot falls. Both end the program.
 enum class RequestKind : std::uint8_t { none, calibrate, stand, step, walk, sit, reset, off, cut };
 
 /// Both end where no joint needs torque. They take their time, and stay asked for without the host.
@@ -23,6 +23,7 @@ enum class RequestKind : std::uint8_t { none, calibrate, stand, step, walk, sit,
 
 /// What the operator wants last. A request stands until it is met, replaced by one with a higher number, or
 /// void. A fault and a lost heartbeat void what was asked for before, so that nothing moves again by itself.
+/// A reset waits in a fault until the joints were damped.
 struct Request {
   RequestKind kind = RequestKind::none;
   std::uint32_t number = 0;  ///< counts requests from 1
@@ -103,6 +104,7 @@ class Supervisor {
   [[nodiscard]] bool requested(RequestKind kind, const Request& request) const noexcept;
   [[nodiscard]] bool passes(Guard guard) const noexcept;
   [[nodiscard]] Reaction reaction_of_level() const noexcept;
+  [[nodiscard]] bool was_damped() const noexcept;
   [[nodiscard]] bool stopped_for_good() const noexcept;
   void choose(const SupervisorInputs& inputs) noexcept;
   [[nodiscard]] hal::JointCommands commands_of_level(const hal::JointCommands& wanted) const noexcept;
@@ -115,11 +117,12 @@ class Supervisor {
   hal::JointReadings measured_;
   std::int64_t now_ns_ = 0;
   std::int64_t entered_ns_ = 0;        ///< the state
+  std::int64_t damped_ns_ = 0;         ///< the joints last began to be damped, in ready or fault
   std::int64_t driven_ns_ = 0;         ///< the drivers last began to get commands
   std::int64_t tracking_ns_ = 0;       ///< the torque law last became active
   std::int64_t level_ns_ = 0;          ///< the level
   std::int64_t hold_ns_ = 0;           ///< position control became active: hold, sit
-  std::int64_t reset_ns_ = 0;          ///< a reset was asked for
+  std::int64_t reset_ns_ = 0;          ///< a reset began
   std::int64_t stopped_ns_ = 0;        ///< the emergency stop was latched
   std::int64_t stand_asked_ns_ = 0;    ///< in ready
   std::uint32_t void_number_ = 0;      ///< requests up to this one are met or void

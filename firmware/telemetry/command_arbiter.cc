@@ -24,6 +24,8 @@ std::string number_text(double value) {
   return text;
 }
 
+double tenths(double value) noexcept { return 1e-1 * std::round(1e1 * value); }
+
 bool stands_or_moves(State state) noexcept { return supervisor::tracks(state); }
 
 /// Names of the faults of a set whose reset it takes, separated by commas; empty: there are none.
@@ -97,7 +99,8 @@ bool CommandArbiter::waits_to_stand(State state) const noexcept {
 std::string CommandArbiter::dropped_by_stop(State state) const {
   if (waits_to_stand(state)) return "stand";
   if (state == State::fault && request_.kind == RequestKind::reset) return "reset";
-  if (state == State::sit && request_.kind == RequestKind::off) return "switch off";
+  const bool sits = state == State::sit || supervisor::damps(state);
+  if (sits && request_.kind == RequestKind::off) return "switch off";
   return {};
 }
 
@@ -108,10 +111,14 @@ std::string CommandArbiter::caveat(CommandKind kind, const RobotNow& now) const 
     if (dropped.empty()) return in_state(now.state) + ", where stop changes nothing";
     return in_state(now.state) + ", and the request to " + dropped + " is dropped";
   }
+  if (kind != CommandKind::reset && kind != CommandKind::off) return {};
+  const double left_s = tenths(now.damping_left_s);
   const std::string causes = kind == CommandKind::reset ? latching(now.present) : "";
-  if (causes.empty()) return {};
-  return causes + " is still there: this reset ends after " + number_text(rules_.supervisor.reset_window_s) +
-         " s; reset again when that is over";
+  if (!causes.empty()) {
+    return causes + " is still there: this reset ends after " +
+           number_text(left_s + rules_.supervisor.reset_window_s) + " s; reset again when that is over";
+  }
+  return left_s > 0 ? "the joints are damped for " + number_text(left_s) + " s first" : "";
 }
 
 /// Whether the sender gave the token or proved to have it. Texts that no commander sends cost no time.
@@ -186,7 +193,7 @@ std::string CommandArbiter::refusal_of_order(const Asked& asked, CommandKind kin
     return commander_ + " commands the robot; it must release it or fall silent first";
   }
   if (now.standstill_s > rules_.supervisor.heartbeat_timeout_s) {
-    return "stiltd stood still for " + number_text(1e-1 * std::round(1e1 * now.standstill_s)) +
+    return "stiltd stood still for " + number_text(tenths(now.standstill_s)) +
            " s while this order came: look, then order again";
   }
   if (!std::isfinite(asked.value)) return std::string(name(kind)) + ": the value is not a number";

@@ -57,6 +57,7 @@ struct RobotNow {
   supervisor::FaultSet present;  ///< faults whose cause is there
   supervisor::FaultSet latched;  ///< those that wait for a reset
   double standstill_s = 0;       ///< for which nobody looked at commands, before those of now
+  double damping_left_s = 0;     ///< of the joints, before a reset begins or the motors go off
 };
 
 /// Who may command the robot, and what the torque loop is asked to do. One commander at a time: the one who

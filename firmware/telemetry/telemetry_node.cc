@@ -125,7 +125,15 @@ RobotNow TelemetryNode::now() const {
           newest_.state,
           newest_.present,
           newest_.latched,
-          standstill_s_};
+          standstill_s_,
+          damping_left_s()};
+}
+
+/// As the supervisor counts it.
+double TelemetryNode::damping_left_s() const {
+  if (!supervisor::damps(newest_.state) || newest_.level == supervisor::FallbackLevel::off) return 0.0;
+  const double damped_s = 1e-9 * static_cast<double>(newest_.time_ns - damped_ns_);
+  return std::max(0.0, configuration_.supervisor.emergency_stop_damps_s - damped_s);
 }
 
 void TelemetryNode::begin(const control_loop::TickRecord& record) {
@@ -157,6 +165,7 @@ void TelemetryNode::tick(const control_loop::TickRecord& record) {
   const bool changed = record.state != newest_.state || record.level != newest_.level ||
                        record.present != newest_.present || record.latched != newest_.latched;
   changed_ = changed_ || changed;
+  if (!supervisor::damps(newest_.state)) damped_ns_ = record.time_ns;
   newest_ = record;
   if (!batch_.takes(record)) send_batch();
   batch_.add(record);

@@ -59,6 +59,7 @@ class TelemetryNode {
   void begin(const control_loop::TickRecord& record);
   void answer(const Command& command);
   [[nodiscard]] RobotNow now() const;
+  [[nodiscard]] double damping_left_s() const;
   [[nodiscard]] Drops drops() const;
   void send_supervisor();
   void send_batch();
@@ -84,6 +85,7 @@ class TelemetryNode {
   WallTime time_;
   bool begun_ = false;
   control_loop::TickRecord newest_;
+  std::int64_t damped_ns_ = 0;  ///< the joints last began to be damped, in ready or fault
   diagnostics::FoundWords found_;
   std::uint64_t joint_states_every_;   ///< ticks
   std::uint64_t supervisor_every_;     ///< ticks

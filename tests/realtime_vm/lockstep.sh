@@ -3,7 +3,8 @@
 : "${robot_left:=vcan0}" "${robot_right:=vcan1}" "${controller_left:=vcan0}" "${controller_right:=vcan1}"
 # That robot_right sends: two commands, two replies, two syncs; of an interface of its own the robot's half.
 : "${frames_per_tick:=6}"
-quick="--set runtime.start_settle_s=1.2 --set supervisor.stand_ramp_s=0.4 --set supervisor.slow_down_s=0.8"
+quick="--set runtime.start_settle_s=1.2 --set supervisor.stand_ramp_s=0.4 --set supervisor.slow_down_s=0.8 \
+  --set supervisor.emergency_stop_damps_s=0.5"
 failed=0
 
 fail() {

@@ -64,8 +64,8 @@ enum class Motion : std::uint8_t {
   step,
   walk,
   sit,
-  reset,  ///< forget faults whose cause is gone
-  off,    ///< walk, step, stand, sit, then disable the drivers
+  reset,  ///< once the joints were damped: forget faults whose cause is gone
+  off,    ///< walk, step, stand, sit, damp, then disable the drivers
   cut,    ///< disable the drivers at once: a standing robot falls
 };
 

@@ -338,6 +338,8 @@ TEST_F(ControlLoopTest, AfterALatchedFaultNothingButDampingIsSentWhateverIsAsked
   }
   rig->ask(RequestKind::reset);
   rig->run(20);
+  EXPECT_EQ(rig->state(), State::fault) << "the joints are damped first";
+  rig->run(rig->damped_ticks());
   EXPECT_EQ(rig->state(), State::idle);
   EXPECT_GE(rig->joints.restored, 1);
 }

@@ -273,6 +273,9 @@ TEST_F(FallbackTest, OffAtTheEndByWayOfSitting) {
   rig->run(1);
   EXPECT_EQ(rig->state(), State::sit);
   rig->run(static_cast<int>(1000 * rig->configuration.supervisor.sit_s) + 5);
+  EXPECT_EQ(rig->state(), State::ready);
+  EXPECT_EQ(rig->level(), FallbackLevel::damp);
+  rig->run(rig->damped_ticks());
   EXPECT_EQ(rig->state(), State::off);
   EXPECT_EQ(rig->level(), FallbackLevel::off);
   EXPECT_GT(rig->joints.disables, 0);

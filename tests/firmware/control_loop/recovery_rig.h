@@ -31,6 +31,7 @@ class RecoveryRig {
   explicit RecoveryRig(configuration::DriverProtocol protocol)
       : buses_{hal::mock::MockBus(clock_), hal::mock::MockBus(clock_)} {
     configuration_ = configuration::load_robot("amber3m").value();
+    configuration_.supervisor.emergency_stop_damps_s = 0.5;  // thousands of cases wait for it
     for (configuration::DriverParameters* driver :
          {&configuration_.hardware.hip, &configuration_.hardware.knee}) {
       driver->protocol = protocol;
@@ -148,20 +149,22 @@ class RecoveryRig {
     gone_ = gone;
   }
 
-  /// A reset, and everything up to standing. False: something stands in the way.
-  [[nodiscard]] bool recover() {
+  /// A reset, until it is taken or void.
+  [[nodiscard]] bool reset() {
+    const supervisor::SupervisorParameters& parameters = configuration_.supervisor;
+    const double longest_s = parameters.emergency_stop_damps_s + parameters.reset_window_s + 0.1;
     ask(supervisor::RequestKind::reset);
-    if (!reach(supervisor::State::idle, 600)) return false;
-    return stand();
+    return reach(supervisor::State::idle, static_cast<int>(1000 * longest_s));
   }
+  /// A reset, and everything up to standing. False: something stands in the way.
+  [[nodiscard]] bool recover() { return reset() && stand(); }
   [[nodiscard]] bool get_ready() {
     ask(supervisor::RequestKind::calibrate);
     return reach(supervisor::State::ready, 2000);
   }
   /// A reset is taken, and bring-up refused: offsets are void.
   [[nodiscard]] bool is_refused() {
-    ask(supervisor::RequestKind::reset);
-    if (!reach(supervisor::State::idle, 600)) return false;
+    if (!reset()) return false;
     ask(supervisor::RequestKind::calibrate);
     return reach(supervisor::State::calibrate, 10) && reach(supervisor::State::fault, 10) &&
            bring_up_.failure == hal::bring_up::Failure::void_offsets;

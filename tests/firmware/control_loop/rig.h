@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -119,13 +120,18 @@ class Rig {
     ASSERT_EQ(decision().ramp, 1.0);
   }
 
+  /// Ticks until joints that are damped from now on may go limp.
+  [[nodiscard]] int damped_ticks() const {
+    return static_cast<int>(std::lround(1000 * configuration.supervisor.emergency_stop_damps_s));
+  }
+
   /// The emergency stop ends what the robot does; then reset and bring-up.
   void fall_and_get_ready() {
     joints.emergency_stop = hal::EmergencyStopState::pressed;
     run(10);
     joints.emergency_stop = hal::EmergencyStopState::released;
     ask(supervisor::RequestKind::reset);
-    run(10);
+    run(damped_ticks() + 10);
     ask(supervisor::RequestKind::calibrate);
     run(5);
     ASSERT_EQ(state(), supervisor::State::ready);

@@ -19,6 +19,11 @@ using testing::Rig;
 
 class StandingUpTest : public ::testing::Test {
  protected:
+  StandingUpTest() {
+    rig->configuration.supervisor.emergency_stop_damps_s = 0.02;  // a plan from before it has not ended
+    rig->cycle.configure(*rig->robot, rig->configuration, rig->configuration.supervisor);
+  }
+
   std::unique_ptr<Rig> rig = std::make_unique<Rig>();
 };
 

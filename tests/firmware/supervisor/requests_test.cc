@@ -35,7 +35,19 @@ TEST_F(SupervisorTest, AStandThatWasGivenUpLeavesSwitchingOff) {
   request(RequestKind::off);
   inputs_.in_stance = false;
   EXPECT_EQ(tick(), State::ready);
+  EXPECT_EQ(run(parameters_.emergency_stop_damps_s - 0.001), State::ready) << "the joints are damped first";
   EXPECT_EQ(tick(), State::off);
+}
+
+TEST_F(SupervisorTest, NothingStandsUpWhileTheProgramEnds) {
+  ask_to_stand_where_it_cannot();
+  inputs_.shut_down = true;
+  inputs_.fit_to_stand = true;
+  EXPECT_EQ(run(0.5), State::ready);
+  EXPECT_FALSE(output().waits_to_stand);
+  request(RequestKind::stand);
+  EXPECT_EQ(run(0.5), State::ready);
+  EXPECT_EQ(run(parameters_.emergency_stop_damps_s), State::off);
 }
 
 TEST_F(SupervisorTest, AStepThatWasAskedForTwiceIsMetOnce) {
@@ -52,7 +64,8 @@ TEST_F(SupervisorTest, AStepThatWasAskedForTwiceIsMetOnce) {
 TEST_F(SupervisorTest, NothingStepsOrWalksWhileTheProgramEnds) {
   bring_to_walk();
   inputs_.shut_down = true;
-  const double longest_s = 2 * parameters_.slow_down_s + parameters_.sit_s + 0.1;
+  const double longest_s =
+      2 * parameters_.slow_down_s + parameters_.sit_s + parameters_.emergency_stop_damps_s + 0.1;
   for (double time_s = 0; time_s < longest_s; time_s += 0.1) {
     request(static_cast<int>(time_s * 10) % 2 == 0 ? RequestKind::walk : RequestKind::step, 0.5);
     EXPECT_NE(run(0.1), State::walk) << time_s;

@@ -112,6 +112,14 @@ TEST(TransitionTable, ACutComesFirstAndThenAFaultThatDamps) {
   }
 }
 
+TEST(TransitionTable, DampedJointsGoLimpAtOnceByACutAlone) {
+  for (const Transition& transition : kTransitions) {
+    if (!damps(transition.from) || transition.to != State::off) continue;
+    const bool cut = transition.condition == Condition::request_cut;
+    EXPECT_EQ(transition.guard, cut ? Guard::always : Guard::damped) << name(transition.from);
+  }
+}
+
 TEST(TransitionTable, WalkingEndsOverSteppingInPlaceUnlessAFaultForbids) {
   for (const Transition& transition : kTransitions) {
     if (transition.from != State::walk) continue;

@@ -110,7 +110,7 @@ TEST_F(SupervisorTest, ARobotThatWasAskedToSitOrSwitchOffRestsAlsoWithoutItsHost
     EXPECT_EQ(run(0.1), State::step);
     inputs_.seen.heartbeat_age_s = 0.5;
     EXPECT_EQ(run(2 * parameters_.slow_down_s + 0.1), State::sit);
-    EXPECT_EQ(run(parameters_.sit_s + 0.1), rest);
+    EXPECT_EQ(run(parameters_.sit_s + parameters_.emergency_stop_damps_s + 0.1), rest);
   }
 }
 

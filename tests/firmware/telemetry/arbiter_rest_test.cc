@@ -126,10 +126,30 @@ TEST_F(CommandArbiterTest, a_stop_says_what_it_drops) {
             "the robot is in state calibrate" + stand);
   EXPECT_EQ(reason_after(CommandKind::off, State::stand, State::sit),
             "the robot is in state sit, and the request to switch off is dropped");
+  for (const State damped : {State::ready, State::fault}) {
+    EXPECT_EQ(reason_after(CommandKind::off, State::stand, damped),
+              std::string("the robot is in state ") + supervisor::name(damped) +
+                  ", and the request to switch off is dropped");
+  }
   EXPECT_EQ(reason_after(CommandKind::reset, State::fault, State::fault),
             "the robot is in state fault, and the request to reset is dropped");
   EXPECT_EQ(reason_after(CommandKind::sit, State::stand, State::sit),
             "the robot is in state sit, where stop changes nothing");
+}
+
+TEST_F(CommandArbiterTest, a_reset_and_an_off_that_wait_until_the_joints_were_damped_say_so) {
+  now.state = State::fault;
+  now.damping_left_s = 2.44;
+  for (const CommandKind kind : {CommandKind::reset, CommandKind::off}) {
+    const Answer answer = take(kind);
+    EXPECT_TRUE(answer.accepted) << name(kind);
+    EXPECT_EQ(answer.reason, "the joints are damped for 2.4 s first");
+  }
+  now.present.add(Fault::bus_off);
+  EXPECT_EQ(take(CommandKind::reset).reason,
+            "bus_off is still there: this reset ends after 2.9 s; reset again when that is over");
+  now.damping_left_s = 0;
+  EXPECT_EQ(take(CommandKind::off).reason, "");
 }
 
 TEST_F(CommandArbiterTest, orders_that_waited_while_stiltd_stood_still_are_refused_and_stops_are_not) {

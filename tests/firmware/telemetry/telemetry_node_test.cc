@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
 #include "firmware/configuration/configuration.h"
 #include "firmware/configuration/live.h"
 #include "firmware/telemetry/writer.h"
@@ -52,22 +57,23 @@ TEST_F(TelemetryNodeTest, TheTimeOfDayIsThatOfTheFirstTickHoweverLateHousekeepin
   EXPECT_NEAR(age_ns / static_cast<double>(kHour_ns), 1.0, 0.5);
 }
 
-/// Anna asks again and again for the largest value of a live tunable.
-class TuningOrder {
+/// Anna asks for the same again and again.
+class Order {
  public:
-  TuningOrder(const configuration::Configuration& configuration, const TelemetryNode& node,
-              const Participant& peer)
-      : tunable_(configuration::live_tunables(configuration).front()),
-        token_(read_token(node.token_file()).value()),
-        key_(tunable_.entry->name()),
+  Order(const TelemetryNode& node, const Participant& peer, CommandKind kind, double value = 0,
+        std::string key = {})
+      : token_(read_token(node.token_file()).value()),
+        key_(std::move(key)),
         writer_(AnyWriter::open(peer, kCommands)) {
     command_.run_id = node.run_id();
     command_.token = token_.data();
     command_.commander = name_.data();
-    command_.kind = static_cast<std::uint8_t>(CommandKind::tunable);
-    command_.value = tunable_.maximum;
+    command_.kind = static_cast<std::uint8_t>(kind);
+    command_.value = value;
     command_.key = key_.data();
   }
+  Order(const Order&) = delete;
+  Order& operator=(const Order&) = delete;
 
   void send() {
     ++command_.number;
@@ -76,16 +82,23 @@ class TuningOrder {
   }
 
   [[nodiscard]] const std::string& key() const { return key_; }
+  [[nodiscard]] std::uint64_t number() const { return command_.number; }
 
  private:
-  configuration::LiveTunable tunable_;
   std::string token_, key_, name_ = "anna";
   Command command_{};
   std::expected<AnyWriter, std::string> writer_;
 };
 
+/// For the largest value of a live tunable.
+Order tuning_order(const configuration::Configuration& configuration, const TelemetryNode& node,
+                   const Participant& peer) {
+  const configuration::LiveTunable tunable = configuration::live_tunables(configuration).front();
+  return {node, peer, CommandKind::tunable, tunable.maximum, tunable.entry->name()};
+}
+
 TEST_F(TelemetryNodeTest, ATuningNamesWhoAskedForIt) {
-  TuningOrder order(configuration, *node, *peer);
+  Order order = tuning_order(configuration, *node, *peer);
   auto tunings = Reader::open(*peer, kTuning);
   ASSERT_TRUE(tunings.has_value());
   std::string key_tuned, tuned_by;
@@ -105,7 +118,7 @@ TEST_F(TelemetryNodeTest, ATuningNamesWhoAskedForIt) {
 }
 
 TEST_F(TelemetryNodeTest, AnOrderThatCameWhileNobodyLookedForTheTimeOfAHeartbeatIsRefused) {
-  TuningOrder order(configuration, *node, *peer);
+  Order order = tuning_order(configuration, *node, *peer);
   static_cast<void>(node->operate({}));
   const auto reply = testing::one_sample(*peer, kCommandReplies, [&] {
                        order.send();
@@ -116,6 +129,41 @@ TEST_F(TelemetryNodeTest, AnOrderThatCameWhileNobodyLookedForTheTimeOfAHeartbeat
   ASSERT_TRUE(reply);
   EXPECT_FALSE(reply->accepted);
   EXPECT_TRUE(std::string(reply->reason).starts_with("stiltd stood still for ")) << reply->reason;
+}
+
+TEST_F(TelemetryNodeTest, AResetNamesTheDampingThatIsLeft) {
+  Order order(*node, *peer, CommandKind::reset);
+  auto replies = Reader::open(*peer, kCommandReplies);
+  ASSERT_TRUE(replies.has_value());
+  const auto reason = [&] {
+    std::optional<std::string> accepted;
+    const std::uint64_t before = order.number();
+    for (int i = 0; i < 6000 && !accepted; ++i) {
+      order.send();
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      static_cast<void>(node->operate({}));
+      replies->take([&](Sample&& sample) {
+        const auto reply = sample.as<CommandReply>();
+        if (reply && reply->accepted && reply->number > before) accepted = reply->reason;
+      });
+    }
+    return accepted.value_or("no answer");
+  };
+  control_loop::TickRecord tick;
+  tick.time_ns = first_tick_ns;
+  const auto pass = [&](double time_s, supervisor::State state, supervisor::FallbackLevel level) {
+    ++tick.tick;
+    tick.time_ns += std::llround(1e9 * time_s);
+    tick.state = state;
+    tick.level = level;
+    node->tick(tick);
+  };
+  pass(5.0, supervisor::State::ready, supervisor::FallbackLevel::damp);
+  pass(0.5, supervisor::State::fault, supervisor::FallbackLevel::damp);
+  pass(0.5, supervisor::State::fault, supervisor::FallbackLevel::damp);
+  EXPECT_EQ(reason(), "the joints are damped for 2 s first");
+  pass(0.5, supervisor::State::fault, supervisor::FallbackLevel::off);
+  EXPECT_EQ(reason(), "");
 }
 
 }  // namespace
