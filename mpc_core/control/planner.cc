@@ -109,6 +109,13 @@ void Planner::guess_node(double time_s, int phase, bool before_switch, double* x
                                    (!before_switch && horizon.node_time_s(hint + 1) == time_s))) {
     ++hint;
   }
+  // A first node just before a switch takes the switch: the node behind it begins behind the old one.
+  const model::ContactMode mode = schedule_.phase(phase).mode;
+  while (!before_switch && hint + 1 < horizon.stages &&
+         (horizon.stage[hint].mode != mode || horizon.stage[hint].kind == ocp::StageKind::transition) &&
+         horizon.node_time_s(hint + 1) <= time_s + parameters_.discretisation.merge_below_s) {
+    ++hint;
+  }
   if (hint >= horizon.stages) {  // beyond the old horizon: its last posture moves with the reference
     std::copy(old.x[horizon.stages], old.x[horizon.stages] + kStates, x);
     x[0] += (time_s - horizon.end_s) * take_reference_input()[kPositions];
@@ -119,7 +126,7 @@ void Planner::guess_node(double time_s, int phase, bool before_switch, double* x
   const double s = duration_s > 0.0 ? std::clamp((time_s - start_s) / duration_s, 0.0, 1.0) : 0.0;
   for (int i = 0; i < kStates; ++i) x[i] = (1.0 - s) * old.x[hint][i] + s * old.x[hint + 1][i];
   const ocp::Stage& stage = horizon.stage[hint];
-  if (stage.kind == ocp::StageKind::flow && stage.mode == schedule_.phase(phase).mode) {
+  if (stage.kind == ocp::StageKind::flow && stage.mode == mode) {
     std::copy(old.u[hint], old.u[hint] + kInputs, u);
   } else {
     take_reference_input();

@@ -69,8 +69,9 @@ bool build_horizon(const gait::ContactSchedule& schedule, double start_s, const 
     while (start_s + grid * p.time_step_s <= time_s + p.merge_below_s) ++grid;
     double next_s = start_s + grid * p.time_step_s;
     if (next_s > end_s - p.merge_below_s) next_s = end_s;
-    // A switch just before the end would leave a sliver behind it: such a switch is left beyond the horizon.
-    if (switch_s < std::min(next_s + p.merge_below_s, end_s - p.merge_below_s)) next_s = switch_s;
+    // A switch just behind the node takes its place, by the comparison above: otherwise the node would take
+    // the switch. A switch just before the end would leave a sliver behind it: it is left beyond the horizon.
+    if (switch_s <= next_s + p.merge_below_s) next_s = switch_s < end_s - p.merge_below_s ? switch_s : end_s;
     stage.kind = StageKind::flow;
     stage.phase = phase;
     stage.mode = schedule.phase(phase).mode;

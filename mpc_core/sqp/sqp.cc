@@ -161,9 +161,11 @@ SolveReport Sqp::solve(const ocp::ProblemData& data, const ocp::Problem& problem
       continue;
     }
     std::swap(current, trial);
-    const bool settled = std::abs(merit.cost - cost_before) < p.cost_tolerance &&
+    // A shortened step changes little far from a minimum, too.
+    const bool settled = report.line_search_step == 1.0 &&
+                         std::abs(merit.cost - cost_before) < p.cost_tolerance &&
                          std::sqrt(merit.violation_squared) < p.violation_tolerance;
-    if (p.early_stop && (settled || report.step_component_max < p.step_tolerance))
+    if (p.early_stop && (settled || full_step_component_max_ < p.step_tolerance))
       report.status = SolveStatus::converged;
   }
   if (current != &iterate) {

@@ -149,12 +149,13 @@ class RecoveryRig {
     gone_ = gone;
   }
 
-  /// A reset, until it is taken or void.
+  /// A reset of joints that were damped, until it is taken or void. One before that may be void by then: a bus
+  /// that is gone silences the emergency stop's channel, too.
   [[nodiscard]] bool reset() {
     const supervisor::SupervisorParameters& parameters = configuration_.supervisor;
-    const double longest_s = parameters.emergency_stop_damps_s + parameters.reset_window_s + 0.1;
+    run(static_cast<int>(1000 * parameters.emergency_stop_damps_s));
     ask(supervisor::RequestKind::reset);
-    return reach(supervisor::State::idle, static_cast<int>(1000 * longest_s));
+    return reach(supervisor::State::idle, static_cast<int>(1000 * (parameters.reset_window_s + 0.1)));
   }
   /// A reset, and everything up to standing. False: something stands in the way.
   [[nodiscard]] bool recover() { return reset() && stand(); }

@@ -91,19 +91,47 @@ TEST(Horizon, LeavesNoSliverAndNoIntervalMuchLongerThanTheTimeStep) {
   });
 }
 
-TEST(Horizon, HasANodeAtEveryContactSwitch) {
+/// Distance of a switch from the nearest node, s.
+double distance_s(const Horizon& horizon, double switch_s) {
+  double nearest_s = 1.0;
+  for (int k = 0; k <= horizon.stages; ++k) {
+    nearest_s = std::min(nearest_s, std::abs(horizon.node_time_s(k) - switch_s));
+  }
+  return nearest_s;
+}
+
+TEST(Horizon, HasANodeAtEveryContactSwitchButForOneJustBehindItsStartOrAnother) {
   for_random_grids([](const RandomGrid& grid) {
     const double merge_s = grid.parameters.merge_below_s;
     for (int phase = 1; phase < grid.schedule.count(); ++phase) {
       const double switch_s = grid.schedule.phase(phase).start_s;
       if (switch_s <= grid.start_s || switch_s >= grid.horizon.end_s - merge_s) continue;
-      double nearest_s = 1.0;
-      for (int k = 0; k <= grid.horizon.stages; ++k) {
-        nearest_s = std::min(nearest_s, std::abs(grid.horizon.node_time_s(k) - switch_s));
-      }
-      EXPECT_LE(nearest_s, merge_s + 1e-12) << "switch at " << switch_s;
+      const double behind_s = std::max(grid.start_s, grid.schedule.phase(phase - 1).start_s);
+      const bool is_merged = switch_s <= behind_s + merge_s;
+      EXPECT_LE(distance_s(grid.horizon, switch_s), is_merged ? merge_s + 1e-12 : 0.0)
+          << "switch at " << switch_s;
     }
   });
+}
+
+TEST(Horizon, HasANodeAtEachSwitchThatIsAsFarBehindTheGridAsIntervalsAreMerged) {
+  const gait::GaitParameters gait{.single_support_s = 0.25};
+  const DiscretisationParameters parameters;
+  ContactSchedule schedule;
+  schedule.reset(0.0);
+  schedule.update(0.0, 10.0, {GaitKind::walk, 0.4}, gait, {}, 0.0, true);
+  for (int plan = 0; plan < 4000; ++plan) {
+    const double start_s = 0.002 * plan;
+    schedule.update(start_s, start_s + 2.0, {GaitKind::walk, 0.4}, gait, {}, 0.4, true);
+    Horizon horizon;
+    ASSERT_TRUE(build_horizon(schedule, start_s, parameters, horizon));
+    for (int phase = schedule.index_at(start_s + 1.5 * parameters.merge_below_s) + 1;
+         phase < schedule.count(); ++phase) {
+      const double switch_s = schedule.phase(phase).start_s;
+      if (switch_s >= horizon.end_s - parameters.merge_below_s) break;
+      ASSERT_EQ(distance_s(horizon, switch_s), 0.0) << "start " << start_s << ", switch " << switch_s;
+    }
+  }
 }
 
 TEST(Horizon, GivesEachIntervalTheModeOfItsMiddleUpToTheMergedTime) {
