@@ -78,6 +78,22 @@ TEST(InitialGuess, IsThePlanBeforeWithBothSidesOfItsTouchDowns) {
   EXPECT_GT(largest_jump_rad_s, 0.1) << "the sides of a touch-down differ, so that a confusion shows";
 }
 
+TEST(InitialGuess, BehindATouchDownAtOnceIsThatBehindTheTouchDownOfThePlanBefore) {
+  for (const double before_s : {0.0005, 0.001, 0.0015}) {
+    Planning planning(shipped());
+    planning.advance(kWalk, 130);
+    const auto old = std::make_unique<Plan>(*planning.plan);
+    planning.time_s = old->phase_end_s - before_s;
+    planning.state = interpolate(*old, planning.time_s).state;
+    guess_only(planning);
+    ASSERT_TRUE(planning.solve(kWalk).usable());
+    const Plan& guess = *planning.plan;
+    ASSERT_TRUE(after_touchdown(guess, 1)) << "merged with the start";
+    const StateVector expected = old_state(*old, old->phase_end_s, false, true);
+    EXPECT_LT((guess.node[1].state - expected).cwiseAbs().maxCoeff(), 1e-9) << before_s;
+  }
+}
+
 TEST(InitialGuess, TakesTheInputsOfThePlanBeforeWhereTheFeetAreTheSame) {
   Planning planning(shipped());
   planning.advance(kWalk, 60);
