@@ -149,8 +149,8 @@ class RecoveryRig {
     gone_ = gone;
   }
 
-  /// A reset of joints that were damped, until it is taken or void. One before that may be void by then: a bus
-  /// that is gone silences the emergency stop's channel, too.
+  /// A reset of joints that were damped, until it is taken or void. One before that may be void by then: a
+  /// bus that is gone silences the emergency stop's channel, too.
   [[nodiscard]] bool reset() {
     const supervisor::SupervisorParameters& parameters = configuration_.supervisor;
     run(static_cast<int>(1000 * parameters.emergency_stop_damps_s));
