@@ -13,7 +13,6 @@ namespace stilt::ocp {
 namespace {
 
 using gait::ContactSchedule;
-using gait::GaitCommand;
 using gait::GaitKind;
 
 /// A random gait under way, and a grid on it from a random time.
