@@ -20,6 +20,10 @@ function(stilt_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE stilt_flags ${ARG_LIBRARIES} GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+  set(longest_s 900)
+  if(STILT_SANITIZE)
+    set(longest_s 7200)  # two tests of experiments need more than 900 s
+  endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-    PROPERTIES TIMEOUT 900 LABELS "${ARG_LABELS}")
+    PROPERTIES TIMEOUT ${longest_s} LABELS "${ARG_LABELS}")
 endfunction()
