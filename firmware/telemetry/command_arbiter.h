@@ -56,17 +56,17 @@ struct RobotNow {
   supervisor::State state = supervisor::State::boot;
   supervisor::FaultSet present;  ///< faults whose cause is there
   supervisor::FaultSet latched;  ///< those that wait for a reset
-  double standstill_s = 0;       ///< for which nobody looked at commands, before those of now
+  double standstill_s = 0;       ///< of housekeeping, before the commands of now
   double damping_left_s = 0;     ///< of the joints, before a reset begins or the motors go off
 };
 
 /// Who may command the robot, and what the torque loop is asked to do. One commander at a time: the one who
 /// gave the last order of motion and sends heartbeats. `stop` and `cut` are taken from everybody with the
-/// token. Orders that waited while nobody looked for more than heartbeat_timeout_s are refused: the robot may
-/// be at rest since. When its heartbeats stop for heartbeat_timeout_s, the supervisor makes walking stepping
-/// and stepping standing (heartbeat_lost), and another may command. After release_s there is no commander,
-/// until one gives an order or the lost one is back. A robot that was asked to sit or to switch off goes on.
-/// Pure logic: no network, no clock, no thread. Ordinary threads.
+/// token. Orders that waited while housekeeping stood still for more than heartbeat_timeout_s are refused:
+/// the robot may be at rest since. When its heartbeats stop for heartbeat_timeout_s, the supervisor makes
+/// walking stepping and stepping standing (heartbeat_lost), and another may command. After release_s there is
+/// no commander, until one gives an order or the lost one is back. A robot that was asked to sit or to switch
+/// off goes on. Pure logic: no network, no clock, no thread. Ordinary threads.
 class CommandArbiter {
  public:
   /// Sets a live tunable; the answer is empty or what is wrong, one sentence.

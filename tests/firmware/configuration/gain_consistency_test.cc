@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "firmware/configuration/configuration.h"
+#include "tests/firmware/configuration/with_drivers.h"
 
 // Gains of the supervisor against what the drivers give.
 namespace stilt::configuration {
@@ -13,16 +14,6 @@ namespace {
 std::string mistakes(std::string_view toml) {
   const Result result = parse(toml, "robot.toml");
   return result ? "" : to_string(result.error());
-}
-
-/// The configuration with drivers of one protocol everywhere, and more lines of other sections.
-std::string with_drivers(const std::string& protocol, const std::string& driver_lines,
-                         const std::string& more = "") {
-  std::string toml;
-  for (const char* section : {"[hip_driver]", "[knee_driver]"}) {
-    toml.append(section).append("\nprotocol = \"").append(protocol).append("\"\n").append(driver_lines);
-  }
-  return toml + more;
 }
 
 TEST(Hardware, GainsThatADriverCannotGiveAreRefused) {

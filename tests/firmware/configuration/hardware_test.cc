@@ -9,6 +9,7 @@
 
 #include "firmware/configuration/configuration.h"
 #include "hal/can/bus_load.h"
+#include "tests/firmware/configuration/with_drivers.h"
 
 namespace stilt::configuration {
 namespace {
@@ -127,16 +128,6 @@ TEST(Hardware, AnAdapterThatSendsNoEmptyFramesCarriesNoOdriveAndNoCanopenEncoder
   ASSERT_FALSE(encoder);
   EXPECT_NE(to_string(encoder.error()).find("torso_sensor.bus = 1: an fdcanusb"), std::string::npos)
       << to_string(encoder.error());
-}
-
-/// The configuration with drivers of one protocol everywhere, and more lines of other sections.
-std::string with_drivers(const std::string& protocol, const std::string& driver_lines,
-                         const std::string& more = "") {
-  std::string toml;
-  for (const char* section : {"[hip_driver]", "[knee_driver]"}) {
-    toml.append(section).append("\nprotocol = \"").append(protocol).append("\"\n").append(driver_lines);
-  }
-  return toml + more;
 }
 
 TEST(Hardware, NodesWhoseFramesCollideAreRefused) {

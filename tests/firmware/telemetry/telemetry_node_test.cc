@@ -117,7 +117,7 @@ TEST_F(TelemetryNodeTest, ATuningNamesWhoAskedForIt) {
   EXPECT_EQ(tuned_by, "anna");
 }
 
-TEST_F(TelemetryNodeTest, AnOrderThatCameWhileNobodyLookedForTheTimeOfAHeartbeatIsRefused) {
+TEST_F(TelemetryNodeTest, AnOrderThatWaitedForHousekeepingLongerThanAHeartbeatMayIsRefused) {
   Order order = tuning_order(configuration, *node, *peer);
   static_cast<void>(node->operate({}));
   const auto reply = testing::one_sample(*peer, kCommandReplies, [&] {
