@@ -7,11 +7,13 @@
 #include "host_tools/cli/disturbance_experiment.h"
 #include "host_tools/cli/experiment_jobs.h"
 #include "host_tools/cli/frequency_experiment.h"
+#include "host_tools/cli/friction_experiment.h"
 #include "host_tools/cli/json_output.h"
 #include "host_tools/cli/limits_experiment.h"
 #include "host_tools/cli/paired_experiment.h"
 #include "host_tools/cli/published_command.h"
 #include "host_tools/cli/robustness_experiment.h"
+#include "host_tools/cli/speeds_experiment.h"
 #include "host_tools/experiments/figures.h"
 
 namespace stilt::cli {
@@ -107,6 +109,12 @@ experiments::HorizonPlan horizon_plan(const ExperimentOptions& options) {
   return plan;
 }
 
+void add_walk_options(CLI::App& command, ExperimentOptions& options) {
+  command.add_option("--controller", options.setting.choice.controller, "controller, as for stilt sim")
+      ->capture_default_str();
+  command.add_option("--horizon", options.setting.choice.horizon_s, "horizon of the planner, s; default 1.0");
+}
+
 CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) {
   CLI::App* experiment = program.add_subcommand("experiment", "the published experiments, with figures");
   experiment->require_subcommand(1);
@@ -129,6 +137,10 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
   add_job_options(*horizon, options);
   add_choice_options(*horizon, options,
                      "seeds of the sensor noise, default 1; a horizon counts when all of them walk");
+  CLI::App* speeds = experiment->add_subcommand("speeds", "mean speed over 60 s at commanded speeds");
+  add_common_options(*speeds, options);
+  add_job_options(*speeds, options);
+  add_speed_options(*speeds, options);
   CLI::App* limits = experiment->add_subcommand("limits",
                                                 "changes of ground, speed, friction, mass and delays that "
                                                 "the robot survives unannounced, and random commands");
@@ -149,6 +161,11 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
   add_common_options(*paired, options);
   add_job_options(*paired, options);
   add_paired_options(*paired, options);
+  CLI::App* friction = experiment->add_subcommand(
+      "friction", "position error of joints with Coulomb friction that the controller knows or not");
+  add_common_options(*friction, options);
+  add_job_options(*friction, options);
+  add_friction_options(*friction, options);
   CLI::App* figures = experiment->add_subcommand(
       "figures",
       "a push over time, postures, joint angles and their repeatability, terminal states: figures.html");
@@ -169,9 +186,11 @@ int run_experiment(const CLI::App& experiment, ExperimentOptions options,
   }
   if (experiment.got_subcommand("frequency")) return run_frequency(options);
   if (experiment.got_subcommand("horizon")) return run_horizons(options, arguments);
+  if (experiment.got_subcommand("speeds")) return run_speeds(options, arguments);
   if (experiment.got_subcommand("limits")) return run_limits(options, arguments);
   if (experiment.got_subcommand("robustness")) return run_robustness(options, arguments);
   if (experiment.got_subcommand("paired")) return run_paired(options, arguments);
+  if (experiment.got_subcommand("friction")) return run_friction(options, arguments);
   if (experiment.got_subcommand("figures")) return run_figures(options);
   return run_disturbance(std::move(options), arguments);
 }

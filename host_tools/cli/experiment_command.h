@@ -39,15 +39,22 @@ struct ExperimentOptions {
   int runs = 500;
   std::uint32_t seed = 1;
   double force_N = 40.0;
+  // Options of speeds.
+  std::vector<double> speeds_m_s;  ///< of --speed; empty: those of the table
+  // Options of friction.
+  double friction_Nm = 5.0;
   // Options of paired, with the seed of robustness.
   int cases = 64;
   // Options of frequency.
   int problems = 500;
 };
 
-/// Adds `experiment` with frequency, disturbance, horizon, limits, robustness, paired and figures; stores the
-/// options in `options`.
+/// Adds `experiment` with frequency, disturbance, horizon, speeds, limits, robustness, paired, friction and
+/// figures; stores the options in `options`.
 CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options);
+
+/// Adds the options of an experiment with one controller and one horizon.
+void add_walk_options(CLI::App& command, ExperimentOptions& options);
 
 /// The experiment of the options of horizon.
 [[nodiscard]] experiments::HorizonPlan horizon_plan(const ExperimentOptions& options);

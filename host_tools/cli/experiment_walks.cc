@@ -126,6 +126,7 @@ log::RunRecord run(const WalkSetting& setting, const WalkCase& walk) {
   settings.use_true_state = simulation::parse_knows_truth(setting.state);
   settings.measure_from_s = walk.measure_from_s;
   settings.keep_samples = walk.keep_samples;
+  if (walk.sample_every_tick) settings.sample_rate_hz = parameters.timing.torque_rate_hz;
   settings.initial_state = standing_on_ground(world, settings.leg, parameters);
   const auto controller = make_controller(controller_setup(choice, robot, parameters));
   log::RunRecord record = simulation::run_closed_loop(plant, *controller, settings);

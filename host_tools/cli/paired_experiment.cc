@@ -60,9 +60,7 @@ void add_paired_options(CLI::App& command, ExperimentOptions& options) {
   command.add_option("--seed", options.seed, "seed of phases and noise")
       ->check(CLI::Range(std::uint32_t{0}, std::numeric_limits<std::uint32_t>::max()))
       ->capture_default_str();
-  command.add_option("--controller", options.setting.choice.controller, "controller, as for stilt sim")
-      ->capture_default_str();
-  command.add_option("--horizon", options.setting.choice.horizon_s, "horizon of the planner, s; default 1.0");
+  add_walk_options(command, options);
 }
 
 PairedPlan paired_plan(const ExperimentOptions& options) {

@@ -64,9 +64,7 @@ void add_robustness_options(CLI::App& command, ExperimentOptions& options) {
       ->capture_default_str();
   command.add_option("--push-at", options.setting.push_point, "point of the push: hip or torso")
       ->capture_default_str();
-  command.add_option("--controller", options.setting.choice.controller, "controller, as for stilt sim")
-      ->capture_default_str();
-  command.add_option("--horizon", options.setting.choice.horizon_s, "horizon of the planner, s; default 1.0");
+  add_walk_options(command, options);
 }
 
 RobustnessPlan robustness_plan(const ExperimentOptions& options) {

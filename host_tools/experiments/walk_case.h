@@ -30,6 +30,7 @@ struct WalkCase {
   std::uint64_t seed = 1;             ///< of the sensor noise
   double sensor_noise_scale = 1.0;    ///< factor on the noise of all sensors
   bool keep_samples = false;          ///< false: only the summary
+  bool sample_every_tick = false;     ///< of control; false: as `stilt sim` samples
 };
 
 /// Runs a case. Throws when the case cannot be set up.

@@ -8,13 +8,15 @@
 
 #include "host_tools/cli/experiment_walks.h"
 #include "host_tools/cli/limits_experiment.h"
+#include "host_tools/cli/speeds_experiment.h"
 #include "host_tools/experiments/blind_limits.h"
+#include "host_tools/experiments/commanded_speeds.h"
 #include "host_tools/experiments/shortest_horizon.h"
 #include "host_tools/experiments/walks.h"
 #include "tests/closed_loop/published_plan.h"
 #include "tests/closed_loop/published_results.h"
 
-/// Guards of the published limits, sequences of commands and shortest horizons (docs/results).
+/// Guards of the published limits, sequences of commands, shortest horizons and speeds (docs/results).
 namespace stilt::experiments {
 namespace {
 
@@ -58,6 +60,7 @@ std::string test_name(const ::testing::TestParamInfo<Published>& test) {
 TEST(PublishedTables, HaveResults) {
   for (const char* table : kLimitTables) EXPECT_FALSE(results_of(table).at("rows").empty()) << table;
   EXPECT_FALSE(results_of("horizons").at("rows").empty());
+  EXPECT_FALSE(results_of("speeds").at("rows").empty());
 }
 
 /// What is guarded is what was measured, in the limits and in the sequences.
@@ -93,6 +96,14 @@ TEST(PublishedTables, HaveTheConditionsOfTheHorizons) {
     testing_support::expect_each_published(merged.at("rows").at(i).at("tried"),
                                            published.at("rows").at(i).at("tried"), {"horizon_s"});
   }
+}
+
+TEST(PublishedTables, HaveTheConditionsOfTheSpeeds) {
+  const SpeedPlan today = cli::speed_plan(testing_support::published_options("speeds"));
+  const auto jobs = speed_jobs(today, testing_support::no_walk);
+  const Json merged = merge_speeds(testing_support::results_without_walks(jobs));
+  testing_support::expect_each_published(merged.at("rows"), results_of("speeds").at("rows"),
+                                         {"controller", "horizon_s", "duration_s", "speed_m_s"});
 }
 
 std::vector<Published> published_limits() {
@@ -211,6 +222,30 @@ TEST_P(PublishedHorizons, WalkAMinuteAtTheCommandedSpeed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedHorizons, ::testing::ValuesIn(published_horizons()), test_name);
+
+std::vector<Published> published_speeds() {
+  std::vector<Published> rows;
+  const Json json = results_of("speeds");
+  for (const Json& row : json.at("rows")) {
+    rows.push_back({"speed_" + row.at("speed_m_s").dump(), row, json.at("settings")});
+  }
+  return rows;
+}
+
+class PublishedSpeeds : public ::testing::TestWithParam<Published> {};
+
+TEST_P(PublishedSpeeds, AreWalkedForAMinuteWithoutAnAllocation) {
+  const Json& figures = GetParam().figures;
+  SpeedPlan plan;
+  plan.speeds_m_s = {figures.at("speed_m_s").get<double>()};
+  const Json row = speed_jobs(plan, runner_of(GetParam().settings)).front().run();
+  EXPECT_TRUE(row.at("walks").get<bool>()) << row;
+  EXPECT_NEAR(row.at("mean_speed_m_s").get<double>(), figures.at("mean_speed_m_s").get<double>(),
+              kSameSpeed_m_s);
+  EXPECT_EQ(row.at("heap_allocations_in_loop"), figures.at("heap_allocations_in_loop"));
+}
+
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedSpeeds, ::testing::ValuesIn(published_speeds()), test_name);
 
 }  // namespace
 }  // namespace stilt::experiments
