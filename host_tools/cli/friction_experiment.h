@@ -15,8 +15,9 @@ void add_friction_options(CLI::App& command, ExperimentOptions& options);
 /// The experiment of the options.
 [[nodiscard]] experiments::FrictionPlan friction_plan(const ExperimentOptions& options);
 
-/// Measures the joint error that friction adds (host_tools/experiments/joint_friction.h). `arguments` as for run_jobs(). Returns the exit
-/// status. Throws UsageError or std::invalid_argument, one sentence, for bad input.
+/// Measures the joint error that friction adds (host_tools/experiments/joint_friction.h). `arguments` as for
+/// run_jobs(). Returns the exit status. Throws UsageError or std::invalid_argument, one sentence, for bad
+/// input.
 [[nodiscard]] int run_friction(const ExperimentOptions& options, const std::vector<std::string>& arguments);
 
 }  // namespace stilt::cli

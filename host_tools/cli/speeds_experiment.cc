@@ -24,11 +24,11 @@ experiments::SpeedPlan speed_plan(const ExperimentOptions& options) {
 int run_speeds(const ExperimentOptions& options, const std::vector<std::string>& arguments) {
   const experiments::SpeedPlan plan = speed_plan(options);
   const WalkSetting setting = setting_for(options.setting, plan.controller);
-  return run_jobs(options, arguments,
-                  settings_json(options, "speeds",
-                                {{plan.controller, dependencies_text(setting, plan.controller, plan.horizon_s)}}),
-                  speed_jobs(plan, walk_runner(setting)), experiments::merge_speeds,
-                  experiments::speed_table);
+  return run_jobs(
+      options, arguments,
+      settings_json(options, "speeds",
+                    {{plan.controller, dependencies_text(setting, plan.controller, plan.horizon_s)}}),
+      speed_jobs(plan, walk_runner(setting)), experiments::merge_speeds, experiments::speed_table);
 }
 
 }  // namespace stilt::cli

@@ -14,15 +14,16 @@ Json run_job(const SpeedPlan& plan, double speed_m_s, const WalkRunner& run) {
   walk.command = {gait::GaitKind::walk, speed_m_s};
   walk.duration_s = plan.duration_s;
   const log::RunSummary summary = run(walk).summary;
-  return {{"controller", plan.controller},
-          {"horizon_s", plan.horizon_s},
-          {"duration_s", plan.duration_s},
-          {"speed_m_s", speed_m_s},
-          {"survived", summary.survived},
-          {"mean_speed_m_s", summary.mean_speed_m_s},
-          {"walks", walks(walk.command, summary)},
-          {"peak_torque_Nm", std::vector<double>(summary.peak_torque_Nm.begin(), summary.peak_torque_Nm.end())},
-          {"heap_allocations_in_loop", summary.heap_allocations_in_loop}};
+  return {
+      {"controller", plan.controller},
+      {"horizon_s", plan.horizon_s},
+      {"duration_s", plan.duration_s},
+      {"speed_m_s", speed_m_s},
+      {"survived", summary.survived},
+      {"mean_speed_m_s", summary.mean_speed_m_s},
+      {"walks", walks(walk.command, summary)},
+      {"peak_torque_Nm", std::vector<double>(summary.peak_torque_Nm.begin(), summary.peak_torque_Nm.end())},
+      {"heap_allocations_in_loop", summary.heap_allocations_in_loop}};
 }
 
 }  // namespace
@@ -30,8 +31,8 @@ Json run_job(const SpeedPlan& plan, double speed_m_s, const WalkRunner& run) {
 std::vector<Job> speed_jobs(const SpeedPlan& plan, const WalkRunner& run) {
   std::vector<Job> jobs;
   for (const double speed_m_s : plan.speeds_m_s) {
-    jobs.push_back({"speed_" + simulation::decimals_text(speed_m_s),
-                    [=] { return run_job(plan, speed_m_s, run); }});
+    jobs.push_back(
+        {"speed_" + simulation::decimals_text(speed_m_s), [=] { return run_job(plan, speed_m_s, run); }});
   }
   return jobs;
 }

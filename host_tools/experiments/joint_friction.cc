@@ -88,7 +88,8 @@ Json merge_friction(const FrictionPlan& plan, const std::vector<Json>& results) 
 
 std::string friction_table(const Json& merged) {
   std::string table =
-      "| plans per second | delay of a plan s | no friction rad | friction, unknown rad | friction, configured "
+      "| plans per second | delay of a plan s | no friction rad | friction, unknown rad | friction, "
+      "configured "
       "rad | configured over unknown |\n"
       "|---|---|---|---|---|---|\n";
   for (const Json& row : merged.at("rows")) {

@@ -8,8 +8,8 @@
 
 namespace stilt::experiments {
 
-/// Experiment: what the joints' Coulomb friction adds to their position error, and what its compensation takes
-/// away. Sensors have no noise: at high rates it would be larger than what friction adds.
+/// Experiment: what the joints' Coulomb friction adds to their position error, and what its compensation
+/// takes away. Sensors have no noise: at high rates it would be larger than what friction adds.
 struct FrictionPlan {
   struct Rate {
     double plan_rate_hz;
@@ -23,9 +23,9 @@ struct FrictionPlan {
   gait::GaitCommand command{gait::GaitKind::walk, 0.5};
 };
 
-/// Three jobs per rate of plans: joints without friction, with friction that the controller's configuration has
-/// not, and with friction that it has: {survived, joint_error_rad}. The error is the root mean square over
-/// joints and control ticks of planned less true joint position.
+/// Three jobs per rate of plans: joints without friction, with friction that the controller's configuration
+/// has not, and with friction that it has: {survived, joint_error_rad}. The error is the root mean square
+/// over joints and control ticks of planned less true joint position.
 [[nodiscard]] std::vector<Job> friction_jobs(const FrictionPlan& plan, const WalkRunner& run);
 
 /// {rows: [{controller, horizon_s, friction_Nm, duration_s, plan_rate_hz, plan_delay_s, survived,

@@ -38,13 +38,13 @@ std::vector<Json> results(const FrictionPlan& plan, const WalkRunner& run) {
 TEST(JointFriction, TheErrorIsTheRootMeanSquareOverJointsAndSamples) {
   FrictionPlan plan;
   plan.rates = {{100.0, 0.01}};
-  const Json row =
-      merge_friction(plan, results(plan, [](const WalkCase& walk) {
-                       if (walk.plant.empty()) return robot_off_by(0.04);
-                       return robot_off_by(walk.settings.size() > 2 ? 0.08 : 0.16);
-                     }))
-          .at("rows")
-          .at(0);
+  const Json row = merge_friction(plan, results(plan,
+                                                [](const WalkCase& walk) {
+                                                  if (walk.plant.empty()) return robot_off_by(0.04);
+                                                  return robot_off_by(walk.settings.size() > 2 ? 0.08 : 0.16);
+                                                }))
+                       .at("rows")
+                       .at(0);
   // One of four joints, half of the samples: the square is an eighth.
   EXPECT_NEAR(row.at("no_friction_rad").get<double>(), 0.04 / std::sqrt(8.0), 1e-12);
   EXPECT_NEAR(row.at("unknown_rad").get<double>(), 0.16 / std::sqrt(8.0), 1e-12);
