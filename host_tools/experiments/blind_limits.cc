@@ -95,7 +95,8 @@ class RowSummary {
     }
   }
 
-  [[nodiscard]] Json row(const LimitPlan::Controller& controller, const BlindQuantity& quantity, int phases) {
+  [[nodiscard]] Json row(const LimitPlan& plan, const LimitPlan::Controller& controller,
+                         const BlindQuantity& quantity, int phases) {
     std::ranges::stable_sort(cases_, {}, [&](const Json& one) {
       const Json& limit = one.at("limit");
       return limit.is_null() ? -1.0 : std::abs(limit.get<double>() - quantity.nominal);
@@ -111,6 +112,8 @@ class RowSummary {
     const bool any = speed_max_m_s_ >= speed_min_m_s_;
     return {{"controller", controller.name},
             {"horizon_s", controller.horizon_s},
+            {"duration_s", plan.duration_s},
+            {"speed_m_s", plan.speed_m_s},
             {"name", quantity.name},
             {"quantity", quantity.quantity},
             {"unit", quantity.unit},
@@ -187,7 +190,7 @@ Json merge_limits(const LimitPlan& plan, const std::vector<Json>& results) {
     for (const BlindQuantity& quantity : plan.quantities) {
       RowSummary summary;
       for (int i = 0; i < phases_of(plan, quantity) * plan.seeds; ++i) summary.add(*result++);
-      rows.push_back(summary.row(controller, quantity, phases_of(plan, quantity)));
+      rows.push_back(summary.row(plan, controller, quantity, phases_of(plan, quantity)));
     }
     if (plan.sequences == 0) continue;
     int survived = 0;

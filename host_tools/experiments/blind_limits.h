@@ -58,9 +58,9 @@ struct LimitPlan {
 
 /// Merges the results to one object:
 ///
-///   {rows: [{controller, horizon_s, name, quantity, unit, direction, nominal, limit_all, limit_half, phases,
-///            cases, falls, coarse, fine, last_tried, speed_min_m_s, speed_max_m_s, limits,
-///            worst_cases: [{phase, seed, limit}]}],
+///   {rows: [{controller, horizon_s, duration_s, speed_m_s, name, quantity, unit, direction, nominal,
+///            limit_all, limit_half, phases, cases, falls, coarse, fine, last_tried, speed_min_m_s,
+///            speed_max_m_s, limits, worst_cases: [{phase, seed, limit}]}],
 ///    sequences: [{controller, horizon_s, survived, of, duration_s, runs}]}
 ///
 /// limit_all is the value that every case passes, limit_half the value that half of them pass; null when

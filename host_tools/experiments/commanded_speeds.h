@@ -17,7 +17,7 @@ struct SpeedPlan {
 };
 
 /// One job per speed: {controller, horizon_s, duration_s, speed_m_s, survived, mean_speed_m_s, walks,
-/// peak_torque_Nm, heap_allocations_in_loop}. The mean counts from the stand at time 0.
+/// peak_torque_Nm, heap_allocations_in_loop}. The mean is that of RunSummary, after the start of the walk.
 [[nodiscard]] std::vector<Job> speed_jobs(const SpeedPlan& plan, const WalkRunner& run);
 
 /// {rows: [result of each job]}.

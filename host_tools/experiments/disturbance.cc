@@ -125,7 +125,7 @@ Json merge_disturbance(const DisturbancePlan& plan, const std::vector<Json>& res
   std::span<const Json> left(results);
   for (const PushRow& row : plan.rows) {
     const std::size_t cases = static_cast<std::size_t>(row.phases) * static_cast<std::size_t>(row.seeds);
-    rows.push_back(merged_row(row, left.first(cases)));
+    rows.push_back(merged_row(plan, row, left.first(cases)));
     left = left.subspan(cases);
   }
   return {{"rows", std::move(rows)}};

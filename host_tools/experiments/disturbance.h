@@ -59,7 +59,8 @@ struct PublishedRow {
 // clang-format off
 /// Merges the results of the jobs to {rows: [...]}. Fields of a row, besides those of its setting:
 ///
-/// name, robot, controller, horizon_s, gait, speed_m_s, direction, phases, seeds, coarse_N
+/// name, robot, controller, horizon_s, gait, speed_m_s, direction, phases, seeds, coarse_N, fine_N, settled_s,
+/// push_duration_s, recovery_s
 /// push_all_phases_N     smallest of the limits over phases and seeds; null when that case falls unpushed
 /// push_half_phases_N    largest force that half of the cases reach; null likewise
 /// limits_N              all limits, ascending

@@ -77,7 +77,9 @@ Estimate change_of_share(const PairedCounts& counts) {
 }
 
 WalkCase paired_walk(const PairedPlan& plan, const PairedPush& push, int number) {
-  std::seed_seq sequence{plan.seed, static_cast<std::uint32_t>(number)};
+  std::vector<std::uint32_t> source{plan.seed, static_cast<std::uint32_t>(number)};
+  for (const char letter : push.name) source.push_back(static_cast<unsigned char>(letter));
+  std::seed_seq sequence(source.begin(), source.end());
   std::mt19937 random(sequence);
   WalkCase walk;
   walk.controller = plan.controller;

@@ -57,7 +57,8 @@ struct PairedCounts {
 /// 1.96 sqrt((p + q - (p - q)^2) / (cases + 2)), of Bonett and Price 2012, eq. 5. `cases` must be positive.
 [[nodiscard]] Estimate change_of_share(const PairedCounts& counts);
 
-/// The walk of a case under a push. It depends on the seed of the plan and on `number` alone.
+/// The walk of a case under a push. Phase and noise depend on the seed of the plan, the name of the push and
+/// `number` alone: cases of different pushes are independent.
 [[nodiscard]] WalkCase paired_walk(const PairedPlan& plan, const PairedPush& push, int number);
 
 /// One job per push and case: {push, case, start_s, seed, survived: {variant: whether}}.

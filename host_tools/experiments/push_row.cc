@@ -167,7 +167,7 @@ Json steps_at_20N(const PushRow& row, std::span<const Json> cases) {
 
 }  // namespace
 
-Json described(const PushRow& row) {
+Json described(const DisturbancePlan& plan, const PushRow& row) {
   Json json = {{"name", row.name},
                {"robot", row.robot},
                {"controller", row.controller},
@@ -177,19 +177,23 @@ Json described(const PushRow& row) {
                {"direction", row.backward ? "backward" : "forward"},
                {"phases", row.phases},
                {"seeds", row.seeds},
-               {"coarse_N", row.search.coarse_N}};
+               {"coarse_N", row.search.coarse_N},
+               {"fine_N", row.search.fine_N},
+               {"settled_s", plan.settled_s},
+               {"push_duration_s", plan.push_duration_s},
+               {"recovery_s", plan.recovery_s}};
   if (!row.setting.is_null()) json.update(row.setting);
   return json;
 }
 
-Json merged_row(const PushRow& row, std::span<const Json> cases) {
+Json merged_row(const DisturbancePlan& plan, const PushRow& row, std::span<const Json> cases) {
   const auto limits_N = limits_of(cases);
   Json all_N = Json::array();
   for (const auto& limit_N : limits_N) all_N.push_back(or_null(limit_N));
   const auto steps = steps_of(cases);
   const auto cases_walk =
       std::ranges::count_if(cases, [](const Json& one) { return unpushed(one).at("walks").get<bool>(); });
-  Json json = described(row);
+  Json json = described(plan, row);
   json["push_all_phases_N"] = or_null(limits_N.front());
   json["push_half_phases_N"] = or_null(limits_N[limits_N.size() / 2]);
   json["limits_N"] = std::move(all_N);

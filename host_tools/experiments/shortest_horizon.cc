@@ -85,8 +85,8 @@ std::string failures(const Json& row) {
 
 std::vector<double> tried_horizons_s() {
   std::vector<double> horizons_s;
-  for (int i = 2; i <= 12; ++i) horizons_s.push_back(0.05 * i);
-  horizons_s.insert(horizons_s.end(), {0.8, 1.0, 1.5, 2.0});
+  for (int i = 2; i <= 20; ++i) horizons_s.push_back(0.05 * i);
+  horizons_s.insert(horizons_s.end(), {1.5, 2.0});
   return horizons_s;
 }
 

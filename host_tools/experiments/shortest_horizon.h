@@ -17,7 +17,7 @@ struct HorizonPlan {
   gait::GaitCommand command{gait::GaitKind::walk, 0.5};
 };
 
-/// 0.10 to 0.60 s in steps of 0.05 s, then 0.8, 1.0, 1.5 and 2.0 s.
+/// 0.10 to 1.00 s in steps of 0.05 s, then 1.5 and 2.0 s.
 [[nodiscard]] std::vector<double> tried_horizons_s();
 
 /// One job per controller, horizon and seed: {controller, horizon_s, seed, survived, fall_time_s,

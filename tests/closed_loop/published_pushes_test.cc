@@ -59,7 +59,7 @@ TEST(PublishedTables, HaveTheConditionsOfTheirRows) {
       PushRow row = plan.rows[i];
       row.phases = published.at("phases").get<int>();
       row.seeds = published.at("seeds").get<int>();
-      const Json conditions = described(row);
+      const Json conditions = described(plan, row);
       for (const auto& [field, value] : conditions.items()) {
         EXPECT_EQ(published.at(field), value) << table << ", " << row.name << ": " << field;
       }

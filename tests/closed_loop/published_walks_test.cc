@@ -4,6 +4,7 @@
 #include <ostream>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "host_tools/cli/experiment_walks.h"
@@ -73,8 +74,8 @@ TEST(PublishedTables, HaveTheConditionsOfTheLimits) {
     const Json published = results_of(table);
     testing_support::expect_each_published(
         merged.at("rows"), published.at("rows"),
-        {"controller", "horizon_s", "name", "quantity", "unit", "direction", "nominal", "phases", "cases",
-         "coarse", "fine", "last_tried"});
+        {"controller", "horizon_s", "duration_s", "speed_m_s", "name", "quantity", "unit", "direction",
+         "nominal", "phases", "cases", "coarse", "fine", "last_tried"});
     const Json& sequences = merged.at("sequences");
     testing_support::expect_each_published(sequences, published.at("sequences"),
                                            {"controller", "horizon_s", "of", "duration_s"});
@@ -195,9 +196,12 @@ std::vector<Published> published_horizons() {
   std::vector<Published> rows;
   const Json json = results_of("horizons");
   for (const Json& row : json.at("rows")) {
+    Json shorter_s = nullptr;
     for (const Json& tried : row.at("tried")) {
+      const Json next_shorter_s = std::exchange(shorter_s, tried.at("horizon_s"));
       if (row.at("shortest_horizon_s") != tried.at("horizon_s")) continue;
       Json figures = tried;
+      figures["next_shorter_s"] = next_shorter_s;
       figures["duration_s"] = row.at("duration_s");
       figures["commanded_speed_m_s"] = row.at("commanded_speed_m_s");
       figures["controller"] = row.at("controller");
@@ -209,7 +213,7 @@ std::vector<Published> published_horizons() {
 
 class PublishedHorizons : public ::testing::TestWithParam<Published> {};
 
-TEST_P(PublishedHorizons, WalkAMinuteAtTheCommandedSpeed) {
+TEST_P(PublishedHorizons, WalkAMinuteAtTheCommandedSpeedAndTheNextShorterDoesNot) {
   const Json& figures = GetParam().figures;
   WalkCase walk;
   walk.controller = figures.at("controller").get<std::string>();
@@ -219,6 +223,10 @@ TEST_P(PublishedHorizons, WalkAMinuteAtTheCommandedSpeed) {
   const log::RunSummary summary = runner_of(GetParam().settings)(walk).summary;
   EXPECT_TRUE(walks(walk.command, summary)) << summary.mean_speed_m_s << " m/s";
   EXPECT_NEAR(summary.mean_speed_m_s, figures.at("mean_speed_m_s").get<double>(), kSameSpeed_m_s);
+  if (figures.at("next_shorter_s").is_null()) return;
+  walk.horizon_s = figures.at("next_shorter_s").get<double>();
+  const log::RunSummary shorter = runner_of(GetParam().settings)(walk).summary;
+  EXPECT_FALSE(walks(walk.command, shorter)) << walk.horizon_s << " s, measure the row anew";
 }
 
 INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedHorizons, ::testing::ValuesIn(published_horizons()), test_name);

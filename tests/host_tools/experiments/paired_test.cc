@@ -57,12 +57,16 @@ TEST(Paired, PhasesLieWithinTwoStepsAndEachCaseHasItsOwnNoise) {
   double earliest_s = 1e9, latest_s = 0.0;
   for (int number = 0; number < plan.cases; ++number) {
     const WalkCase walk = paired_walk(plan, plan.pushes[0], number);
-    EXPECT_EQ(walk.push_start_s, paired_walk(plan, plan.pushes[1], number).push_start_s) << number;
+    PairedPush weaker = plan.pushes[0];
+    weaker.force_N *= 0.85;
+    EXPECT_EQ(walk.push_start_s, paired_walk(plan, weaker, number).push_start_s) << number;
+    EXPECT_NE(walk.push_start_s, paired_walk(plan, plan.pushes[1], number).push_start_s) << number;
     seeds.insert(walk.seed);
+    seeds.insert(paired_walk(plan, plan.pushes[1], number).seed);
     earliest_s = std::min(earliest_s, walk.push_start_s);
     latest_s = std::max(latest_s, walk.push_start_s);
   }
-  EXPECT_EQ(seeds.size(), 64u);
+  EXPECT_EQ(seeds.size(), 128u) << "cases of different pushes are independent";
   EXPECT_GE(earliest_s, plan.settled_s);
   EXPECT_LT(latest_s, plan.settled_s + 3.0 * plan.step_time_s);
   EXPECT_GT(latest_s - earliest_s, plan.step_time_s);
