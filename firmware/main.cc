@@ -18,6 +18,7 @@
 #include "firmware/program/controller_state.h"
 #include "firmware/program/found_values.h"
 #include "firmware/program/instruction_sets.h"
+#include "firmware/program/interrupt_priorities.h"
 #include "firmware/program/interrupt_report.h"
 #include "firmware/program/lockstep_run.h"
 #include "firmware/program/options.h"
@@ -329,6 +330,18 @@ int check_config(const program::Options& options) {
   return buses.refused ? kBadUsage : kDone;
 }
 
+/// interrupts: of the buses that were named, or of the configuration's that have an adapter.
+int run_interrupts(const program::Options& options) {
+  const std::vector<std::string>& named = options.interrupt_buses;
+  std::vector<realtime::BusInterrupts> buses = realtime::bus_interrupts(
+      named.empty() ? configuration::bus_names(options.configuration.hardware) : named);
+  if (named.empty()) std::erase_if(buses, [](const auto& bus) { return bus.adapter.empty(); });
+  const auto raised = program::raise_interrupts(buses, options.configuration.runtime);
+  if (!raised) return refuse("interrupts: " + raised.error());
+  std::fputs(raised->c_str(), stdout);
+  return kDone;
+}
+
 int run(const program::Options& options) {
   switch (options.task) {
     case program::Task::nothing:
@@ -337,6 +350,8 @@ int run(const program::Options& options) {
       return print_config(options.configuration);
     case program::Task::check_config:
       return check_config(options);
+    case program::Task::interrupts:
+      return run_interrupts(options);
     case program::Task::self_test:
       return run_self_test(options);
     case program::Task::scan:

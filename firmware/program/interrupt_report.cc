@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "firmware/program/interrupt_priorities.h"
+
 namespace stilt::program {
 
 std::vector<realtime::InterruptThread> delayed_threads(const std::vector<realtime::BusInterrupts>& buses,
@@ -29,7 +31,7 @@ std::string thread_text(const realtime::InterruptThread& thread) {
 std::vector<std::string> delay_sentences(const std::vector<realtime::BusInterrupts>& buses,
                                          const configuration::RuntimeParameters& runtime) {
   std::vector<std::string> sentences;
-  const int between = (runtime.planner_priority + runtime.torque_priority) / 2;
+  const int between = interrupt_priority(runtime);
   for (const realtime::InterruptThread& thread : delayed_threads(buses, runtime)) {
     sentences.push_back(thread_text(thread) + " waits for the planner; as root, chrt -f -p " +
                         std::to_string(between) + " " + std::to_string(thread.process) + " puts it before");

@@ -65,6 +65,7 @@ struct Commands {
   CLI::App* zero = nullptr;
   CLI::App* calibrate = nullptr;
   CLI::App* identify = nullptr;
+  CLI::App* interrupts = nullptr;
 };
 
 std::string shortest(double number) {
@@ -195,6 +196,11 @@ Commands add_commands(CLI::App& app, Arguments& arguments, Options& options) {
                                "the robot hangs, legs limp: fails where angles and pitch are not plumb");
   commands.self_test->add_flag("--accept-missing-stop", options.accept_missing_stop,
                                "passes although no emergency stop is reported to this program");
+  commands.interrupts = app.add_subcommand(
+      "interrupts", "as root: puts the interrupt threads of the buses between planner and torque loop");
+  add_configuration_options(*commands.interrupts, arguments.configuration);
+  commands.interrupts->add_option("interface", options.interrupt_buses,
+                                  "can0, ...; without one, those of the configuration");
   return commands;
 }
 
@@ -227,6 +233,7 @@ Task task_of(const Commands& commands) {
   if (commands.zero->parsed()) return Task::zero;
   if (commands.calibrate->parsed()) return Task::calibrate;
   if (commands.identify->parsed()) return Task::identify;
+  if (commands.interrupts->parsed()) return Task::interrupts;
   return Task::control;
 }
 

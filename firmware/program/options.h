@@ -23,6 +23,7 @@ enum class Task {
   calibrate,     ///< signs and offsets, from joints that a person moves
   identify,      ///< friction, inertia and torque constant of each drive
   check_config,  ///< read the configuration, print what it means, and end
+  interrupts,    ///< raise the interrupt threads of the buses above the planner
   print_config,  ///< write the configuration with every key
   nothing,       ///< --help or --version: printed already
 };
@@ -49,11 +50,12 @@ struct Options {
   bool hangs = false;                ///< selftest requires legs that hang plumb
   std::size_t joint = 0;             ///< of jog and zero
   double jog_angle_rad = 0.0;
-  double torque_limit_share = 1.0;        ///< of --torque-limit, in the configuration already
-  std::string answers_file;               ///< answers to what a command asks; empty: standard input
-  std::string config_file;                ///< of --config; empty: none
-  std::string out_file;                   ///< configuration to write what was found to; empty: none
-  std::vector<std::string> changed_keys;  ///< "section.key" that --preset, --set and --bus have set
+  double torque_limit_share = 1.0;           ///< of --torque-limit, in the configuration already
+  std::vector<std::string> interrupt_buses;  ///< of interrupts; none: those of the configuration
+  std::string answers_file;                  ///< answers to what a command asks; empty: standard input
+  std::string config_file;                   ///< of --config; empty: none
+  std::string out_file;                      ///< configuration to write what was found to; empty: none
+  std::vector<std::string> changed_keys;     ///< "section.key" that --preset, --set and --bus have set
   commissioning::Reference reference = commissioning::Reference::stops;
   double identify_torque_share = 0.3;
 

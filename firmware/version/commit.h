@@ -4,9 +4,9 @@
 
 namespace stilt::version {
 
-/// The commit that the program was built from: twelve hexadecimal digits or more, with "-dirty" when its
-/// sources differed from it. "unknown" when they were in no git repository of their own. Looked up at every
-/// build.
+/// The commit that the program was built from: twelve hexadecimal digits or more. Where its sources
+/// differed from it, "-dirty." follows, and when the newest of them was written: "-dirty.20261128T064100Z".
+/// "unknown" when they were in no git repository of their own. Looked up at every build.
 [[nodiscard]] std::string_view commit() noexcept;
 
 }  // namespace stilt::version

@@ -4,7 +4,8 @@
 #
 # ROOT must be the root of the repository: sources unpacked inside another repository have no commit. Changed
 # documents and tests do not make a program dirty, because they are not part of it. The comment in the source is for
-# package_version.cmake. Its number grows with each commit: the package of a newer commit has a newer version.
+# package_version.cmake. Its number grows with each commit: the package of a newer commit has a newer version. Behind
+# "dirty" stands when the newest changed file was written, in UTC: later changes have a newer version, too.
 set(commit unknown)
 set(in_version "")
 find_program(GIT git)
@@ -20,8 +21,29 @@ if(GIT AND EXISTS ${ROOT}/.git)
     set(commit ${head})
     set(in_version +git${number}.${head})
     if(changes)
-      string(APPEND commit -dirty)
-      string(APPEND in_version .dirty)
+      execute_process(COMMAND ${GIT} ls-files --modified --deleted --others --exclude-standard -- . :!docs :!tests
+        WORKING_DIRECTORY ${ROOT} OUTPUT_VARIABLE files ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
+      execute_process(COMMAND ${GIT} diff --cached --name-only -- . :!docs :!tests
+        WORKING_DIRECTORY ${ROOT} OUTPUT_VARIABLE staged ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
+      string(REPLACE "\n" ";" files "${files}\n${staged}")
+      set(newest 0)
+      foreach(file IN LISTS files)
+        set(written 0)
+        if(file AND EXISTS ${ROOT}/${file})
+          file(TIMESTAMP ${ROOT}/${file} written %Y%m%dT%H%M%SZ UTC)
+        elseif(file)
+          get_filename_component(folder ${ROOT}/${file} DIRECTORY)  # a file that is gone changed its folder
+          while(NOT EXISTS ${folder})
+            get_filename_component(folder ${folder} DIRECTORY)
+          endwhile()
+          file(TIMESTAMP ${folder} written %Y%m%dT%H%M%SZ UTC)
+        endif()
+        if(written STRGREATER newest)
+          set(newest ${written})
+        endif()
+      endforeach()
+      string(APPEND commit -dirty.${newest})
+      string(APPEND in_version .dirty.${newest})
     endif()
   endif()
 endif()

@@ -47,7 +47,8 @@ bool has(const Answer& run, const std::string& part) { return run.text.find(part
 TEST(Stiltd, SaysItsVersionCommitAndTheSizeOfTheController) {
   const Answer run = stiltd("--version");
   EXPECT_EQ(run.status, 0);
-  EXPECT_TRUE(std::regex_search(run.text, std::regex("\ncommit +([0-9a-f]{12,}(-dirty)?|unknown)\n")))
+  EXPECT_TRUE(
+      std::regex_search(run.text, std::regex("\ncommit +([0-9a-f]{12,}(-dirty[.][0-9TZ]+)?|unknown)\n")))
       << run.text;
   EXPECT_TRUE(std::regex_search(run.text, std::regex("\ncontroller object [0-9]+\\.[0-9]{2} MB\n")))
       << run.text;

@@ -288,7 +288,8 @@ TEST_F(CommandLine, HelpAndVersionGoToStandardOutput) {
   EXPECT_EQ(version.status, 0);
   EXPECT_TRUE(std::regex_search(version.output, std::regex("\ncontroller object [0-9]+\\.[0-9]{2} MB\n")))
       << version.output;
-  EXPECT_TRUE(std::regex_search(version.output, std::regex("\ncommit +([0-9a-f]{12,}(-dirty)?|unknown)\n")))
+  EXPECT_TRUE(std::regex_search(version.output,
+                                std::regex("\ncommit +([0-9a-f]{12,}(-dirty[.][0-9TZ]+)?|unknown)\n")))
       << version.output;
 }
 
