@@ -137,7 +137,8 @@ CLI::App* add_experiment_command(CLI::App& program, ExperimentOptions& options) 
   add_job_options(*horizon, options);
   add_choice_options(*horizon, options,
                      "seeds of the sensor noise, default 1; a horizon counts when all of them walk");
-  CLI::App* speeds = experiment->add_subcommand("speeds", "mean speed over 60 s at commanded speeds");
+  CLI::App* speeds =
+      experiment->add_subcommand("speeds", "mean speed of a minute at commanded speeds, after its first 3 s");
   add_common_options(*speeds, options);
   add_job_options(*speeds, options);
   add_speed_options(*speeds, options);

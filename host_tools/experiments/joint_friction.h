@@ -23,8 +23,8 @@ struct FrictionPlan {
   gait::GaitCommand command{gait::GaitKind::walk, 0.5};
 };
 
-/// Three jobs per rate of plans: joints without friction, with friction that the controller's configuration
-/// has not, and with friction that it has: {survived, joint_error_rad}. The error is the root mean square
+/// Three jobs per rate of plans: {survived, joint_error_rad}. The joints have no friction; friction that the
+/// configuration of the controller does not name; friction that it names. The error is the root mean square
 /// over joints and control ticks of planned less true joint position.
 [[nodiscard]] std::vector<Job> friction_jobs(const FrictionPlan& plan, const WalkRunner& run);
 
