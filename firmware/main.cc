@@ -15,6 +15,7 @@
 #include "firmware/diagnostics/standard_streams.h"
 #include "firmware/open_buses.h"
 #include "firmware/program/commissioning_run.h"
+#include "firmware/program/configure_controller.h"
 #include "firmware/program/controller_state.h"
 #include "firmware/program/found_values.h"
 #include "firmware/program/instruction_sets.h"
@@ -323,6 +324,10 @@ int print_config(configuration::Configuration configuration) {
 /// --check-config: the configuration was read; what it means here.
 int check_config(const program::Options& options) {
   const program::BusReport buses = program::report_buses(options.configuration);
+  const auto controller =
+      program::configure_controller(options.configuration, options.source, controller_state.planner,
+                                    controller_state.control, &controller_state.gaits);
+  if (!controller) return refuse(controller.error());
   std::printf("%s: %s\nrobot %s\n%s%s", options.source.c_str(),
               buses.refused ? "each key is valid, and buses, drivers or joints cannot do it" : "valid",
               options.configuration.hardware.robot.c_str(),

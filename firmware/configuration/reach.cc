@@ -62,6 +62,27 @@ void check_standing_pose(const control::ControllerParameters& parameters, const 
   }
 }
 
+/// Limits of the supervisor that the standing pose is beyond would damp the robot as soon as it stands.
+void check_limits_of_stand(const Configuration& configuration, const model::RobotConstants& robot,
+                           std::vector<std::string>& found) {
+  constexpr double kShareMargin = 0.05;  // the hip goes down under a push, and up and down in a walk
+  constexpr double kPitchMargin_rad = 0.1;
+  const double share = configuration.reference.base_height_m / (robot.thigh_length_m + robot.shin_length_m);
+  const double least_share = configuration.supervisor.hip_height_share;
+  if (least_share > share - kShareMargin) {
+    found.push_back("supervisor.hip_height_share = " + number_text(least_share) +
+                    " must be at least 0.05 below the share of the leg at which the robot stands, " +
+                    rounded_text(share) + " (reference.base_height_m)");
+  }
+  const double pitch_rad = std::abs(configuration.reference.base_pitch_rad);
+  const double most_rad = configuration.supervisor.base_pitch_limit_rad;
+  if (most_rad < pitch_rad + kPitchMargin_rad) {
+    found.push_back("supervisor.base_pitch_limit_rad = " + number_text(most_rad) +
+                    " must be at least 0.1 rad above reference.base_pitch_rad either way, " +
+                    number_text(pitch_rad));
+  }
+}
+
 /// Where every shutdown and many a fault take the joints.
 void check_sitting_pose(const supervisor::SupervisorParameters& parameters,
                         const model::RobotConstants& robot, std::vector<std::string>& found) {
@@ -83,6 +104,7 @@ std::vector<std::string> unreachable_poses(const Configuration& configuration,
                                            const model::RobotConstants& robot) {
   std::vector<std::string> found;
   check_standing_pose(configuration, robot, found);
+  check_limits_of_stand(configuration, robot, found);
   check_sitting_pose(configuration.supervisor, robot, found);
   return found;
 }

@@ -40,9 +40,28 @@ std::string out_of_range(const Entry& entry, const Value& value) {
   return entry.name() + " = " + shown(value) + " is outside its range, " + range_text(entry);
 }
 
-/// Whether the text stands between the quotes of TOML as it is.
+/// Bytes of the character that begins with this one in UTF-8; 0: none does.
+std::size_t character_bytes(unsigned char first) {
+  if (first < 0x80) return 1;
+  if (first >= 0xc2 && first < 0xe0) return 2;
+  if (first >= 0xe0 && first < 0xf0) return 3;
+  return first >= 0xf0 && first < 0xf5 ? 4 : 0;
+}
+
+/// Whether the text is UTF-8 and stands between the quotes of TOML as it is.
 bool is_plain(std::string_view text) {
-  return std::ranges::all_of(text, [](char c) { return c >= ' ' && c < 127 && c != '"' && c != '\\'; });
+  for (std::size_t i = 0; i < text.size();) {
+    const auto first = static_cast<unsigned char>(text[i]);
+    if (first < ' ' || first == 127 || first == '"' || first == '\\') return false;
+    const std::size_t bytes = character_bytes(first);
+    if (bytes == 0 || bytes > text.size() - i) return false;
+    const std::string_view rest = text.substr(i + 1, bytes - 1);
+    if (!std::ranges::all_of(rest, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; })) {
+      return false;
+    }
+    i += bytes;
+  }
+  return true;
 }
 
 /// Number of single-character edits that turn one word into the other.
@@ -139,7 +158,9 @@ std::optional<std::string> assign(const Entry& entry, const Value& value, Parame
     const auto* line = std::get_if<std::string>(&value);
     if (line == nullptr)
       return entry.name() + " must be text, " + range_text(entry) + ", not " + kind_of(value);
-    if (!is_plain(*line)) return entry.name() + " must not hold quotes, backslashes or control characters";
+    if (!is_plain(*line)) {
+      return entry.name() + " must be UTF-8 without quotes, backslashes or control characters";
+    }
     if (const auto mistake = field.mistake(*line)) return entry.name() + ": " + *mistake;
     field.set(parameters, *line);
     return std::nullopt;

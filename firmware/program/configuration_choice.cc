@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "firmware/configuration/diagnostic.h"
 #include "firmware/configuration/edit.h"
 #include "firmware/configuration/gaits/load_around_gaits.h"
 #include "firmware/robots/robots.h"
@@ -96,6 +97,13 @@ std::expected<ChosenConfiguration, std::string> read_configuration(const Configu
   const auto overrides = overrides_of(choice);
   const auto read = gait_files::load_around_gaits(choice.file, choice.robot, overrides, choice.preset);
   if (!read) return std::unexpected(read.error());
+  return ChosenConfiguration{*read, source_of(choice), changed_keys(choice, overrides)};
+}
+
+std::expected<ChosenConfiguration, std::string> written_configuration(const ConfigurationChoice& choice) {
+  const auto overrides = overrides_of(choice);
+  const auto read = configuration::load(choice.file, choice.robot, overrides, choice.preset);
+  if (!read) return std::unexpected(configuration::to_string(read.error()));
   return ChosenConfiguration{*read, source_of(choice), changed_keys(choice, overrides)};
 }
 

@@ -28,8 +28,13 @@ struct ChosenConfiguration {
 /// Adds these options to a command line.
 void add_configuration_options(CLI::App& app, ConfigurationChoice& choice);
 
-/// Reads the configuration. The error is for the user: a sentence, or a line for each mistake.
+/// Reads the configuration, with what plans around gaits take from these. The error is for the user: a
+/// sentence, or a line for each mistake.
 [[nodiscard]] std::expected<ChosenConfiguration, std::string> read_configuration(
+    const ConfigurationChoice& choice);
+
+/// The same as it is written: nothing in it follows from anything else. For files.
+[[nodiscard]] std::expected<ChosenConfiguration, std::string> written_configuration(
     const ConfigurationChoice& choice);
 
 }  // namespace stilt::program

@@ -42,7 +42,8 @@ std::expected<void, std::string> follow_gaits(const model::RobotModel& robot,
     return std::unexpected(source + ": controller.reference is hzd, and " + loaded.error() +
                            std::string(gait_files::kOnlyShippedGaits));
   if (!loaded && configuration.supervisor.select_gait)
-    return std::unexpected(source + ": supervisor.select_gait is true, and " + loaded.error());
+    return std::unexpected(source + ": supervisor.select_gait is true, and " + loaded.error() +
+                           "; set it to false");
   if (!loaded) return {};
   if (planned) planner.follow(gaits);
   if (configuration.supervisor.track_gait) loop.track_without_plan(robot, configuration, gaits);

@@ -21,6 +21,7 @@
 #include "firmware/program/configuration_choice.h"
 #include "firmware/program/examples.h"
 #include "firmware/program/instruction_sets.h"
+#include "firmware/program/option_checks.h"
 #include "firmware/program/usage_text.h"
 
 namespace stilt::program {
@@ -42,6 +43,7 @@ constexpr std::array kExamples = {
     "stiltd calibrate --config robot.toml --out robot.toml",
     "stiltd identify --config robot.toml --torque-limit 0.3 --out robot.toml",
     "stiltd selftest --config robot.toml --seconds 10",
+    "stiltd interrupts can0 can1",
 };
 // clang-format on
 
@@ -106,23 +108,6 @@ std::expected<void, std::string> check_start(const Options& options) {
                 "(supervisor.walk_torque_share), and it is %g; take --start stand, or a larger %s",
                 supervisor.walk_torque_share, supervisor::torque_share_of_walk(supervisor), key);
   return std::unexpected(text);
-}
-
-/// An option before a command must be one of the command. It must not be behind the command again: one of the
-/// two would be dropped.
-std::expected<void, std::string> check_options_before(const CLI::App& app) {
-  for (const CLI::App* command : app.get_subcommands()) {
-    for (const CLI::Option* option : app.get_options()) {
-      if (option->count() == 0) continue;
-      const CLI::Option* own = command->get_option_no_throw(option->get_name());
-      if (own != nullptr && own->count() == 0) continue;
-      return std::unexpected(
-          option->get_name() + ": " +
-          (own == nullptr ? "is no option of " + command->get_name() + "; leave it out"
-                          : "is before " + command->get_name() + " and behind it; give all of it behind"));
-    }
-  }
-  return {};
 }
 
 /// A subcommand that commands the robot instead of the controller.
@@ -257,6 +242,7 @@ std::expected<void, std::string> interpret(const CLI::App& app, const Arguments&
   options.task = task_of(commands);
   options.config_file = arguments.configuration.file;
   if (const auto right = check_options_before(app); !right) return right;
+  if (const auto right = check_options_of_reports(app); !right) return right;
   if (arguments.reference == "marks") options.reference = commissioning::Reference::marks;
   if (options.task == Task::jog) {
     if (const auto right = interpret_jog(arguments, options); !right) return right;
@@ -282,13 +268,17 @@ std::expected<void, std::string> interpret(const CLI::App& app, const Arguments&
   if (!(share >= kLeastTorqueShare && share <= 1.0)) {
     return std::unexpected("--torque-limit: must be a share of the torque, 0.05 to 1");
   }
-  std::expected<ChosenConfiguration, std::string> chosen = read_configuration(arguments.configuration);
+  std::expected<ChosenConfiguration, std::string> chosen =
+      options.task == Task::print_config ? written_configuration(arguments.configuration)
+                                         : read_configuration(arguments.configuration);
   if (!chosen) return std::unexpected(chosen.error());
   options.configuration = chosen->configuration;
   options.source = std::move(chosen->source);
   options.changed_keys = std::move(chosen->changed_keys);
+  if (options.task == Task::print_config) return {};
   limit_torque(options);
-  if (options.task == Task::control) choose_instruction_set(options.configuration);
+  if (options.task == Task::control || options.task == Task::check_config)
+    choose_instruction_set(options.configuration);
   return check_start(options);
 }
 

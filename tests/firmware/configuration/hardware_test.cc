@@ -328,7 +328,7 @@ TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {
             "robot.toml:2:9: hardware.buses: \"a,b,c,d,e\" names 5 buses; right are 1 to 4, separated by "
             "commas, such as \"can0,can1\"");
   EXPECT_EQ(mistakes("[hardware]\nbuses = \"can\\\"0\"\n"),
-            "robot.toml:2:9: hardware.buses must not hold quotes, backslashes or control characters");
+            "robot.toml:2:9: hardware.buses must be UTF-8 without quotes, backslashes or control characters");
   EXPECT_NE(mistakes("[torso_sensor]\npitch = \"id 0x900 byte 0 bits 32\"\n").find("no frame holds"),
             std::string::npos);
 }

@@ -51,6 +51,21 @@ TEST(Reach, ARangeOfMitModeBelowTheTravelIsNamedForCommandsAndReplies) {
   EXPECT_TRUE(says(of(configuration), "knee_R: reads a velocity")) << "its limit and margin could never show";
 }
 
+TEST(Reach, LimitsOfTheSupervisorLeaveRoomForTheStand) {
+  Configuration configuration = load_robot("amber3m").value();  // stands at 0.92 of its leg
+  const std::string hip = "supervisor.hip_height_share = 0.95 must be at least 0.05 below";
+  configuration.supervisor.hip_height_share = 0.95;
+  EXPECT_TRUE(says(of(configuration), hip)) << "damped as soon as it stands";
+  configuration.supervisor.hip_height_share = 0.85;
+  EXPECT_TRUE(of(configuration).empty());
+  configuration.supervisor.base_pitch_limit_rad = 0.5;
+  configuration.reference.base_pitch_rad = -0.45;
+  EXPECT_TRUE(
+      says(of(configuration), "supervisor.base_pitch_limit_rad = 0.5 must be at least 0.1 rad above"));
+  configuration.reference.base_pitch_rad = -0.3;
+  EXPECT_FALSE(says(of(configuration), "supervisor."));
+}
+
 TEST(Reach, AStandingPoseHasEitherFootAhead) {
   const Configuration configuration = load_robot("amber3m").value();
   for (const int joint : {0, 2}) {

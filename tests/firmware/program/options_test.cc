@@ -188,6 +188,25 @@ TEST(Options, AnAutomaticInstructionSetBecomesTheOneInUse) {
   EXPECT_NE(mistake({"--set", "sqp.instruction_set=mmx"}).find("avx512"), std::string::npos);
 }
 
+TEST(Options, AReportOnTheConfigurationTakesNoOptionOfARun) {
+  EXPECT_EQ(mistake({"--check-config", "--json", "file"}),
+            "--json: has no meaning with --check-config; leave it out");
+  EXPECT_EQ(mistake({"--print-config", "--torque-limit", "0.4"}),
+            "--torque-limit: has no meaning with --print-config; leave it out");
+  EXPECT_EQ(mistake({"--print-config", "--check-config"}),
+            "--check-config: has no meaning with --print-config; leave it out");
+  EXPECT_TRUE(read({"--check-config", "--torque-limit", "0.6", "--start", "walk@0.3", "--bus", "vcan0",
+                    "--bus", "vcan1", "--preset", "paper"}));
+}
+
+TEST(Options, InterruptsAreOfTheNamedInterfaces) {
+  const auto named = read({"interrupts", "can0", "can3"});
+  ASSERT_TRUE(named) << named.error();
+  EXPECT_EQ(named->task, Task::interrupts);
+  EXPECT_EQ(named->interrupt_buses, (std::vector<std::string>{"can0", "can3"}));
+  EXPECT_TRUE(read({"interrupts"})->interrupt_buses.empty());
+}
+
 TEST(Options, AnUnknownPresetIsRefusedWithTheKnownOnes) {
   EXPECT_EQ(mistake({"--preset", "nonsense"}),
             "--preset: there is no preset \"nonsense\"; known presets are paper");

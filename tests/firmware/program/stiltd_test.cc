@@ -56,7 +56,7 @@ TEST(Stiltd, SaysItsVersionCommitAndTheSizeOfTheController) {
 
 TEST(Stiltd, EveryCommandShowsExamplesOfItself) {
   for (const std::string command :
-       {"", " scan", " watch", " jog", " zero", " calibrate", " identify", " selftest"}) {
+       {"", " scan", " watch", " jog", " zero", " calibrate", " identify", " selftest", " interrupts"}) {
     const Answer run = stiltd(command + " --help");
     EXPECT_EQ(run.status, 0) << command;
     EXPECT_TRUE(has(run, "Examples:\n  stiltd" + command + " ")) << command << run.text;
@@ -87,6 +87,33 @@ TEST(Stiltd, PrintsTheWholeConfigurationAsItWouldReadIt) {
   EXPECT_TRUE(has(printed, "offset_rad = 0.125"));
   EXPECT_TRUE(has(printed, "[supervisor]"));
   EXPECT_TRUE(has(printed, "[discretisation]"));
+}
+
+/// A value that follows from another would stay when the other is changed in the file.
+TEST(Stiltd, PrintsNoValueThatFollowsFromAnother) {
+  const Answer limited = stiltd("--print-config --set supervisor.torque_limit_share=0.3");
+  EXPECT_TRUE(has(limited, "\ntorque_limit_share = 0.3\n")) << limited.text;
+  EXPECT_TRUE(has(limited, "\ntorque_limit_scale = 1.0\n"));
+  EXPECT_TRUE(has(limited, "\ncatch_falls = true\n"));
+  const Answer usual = stiltd("--print-config");
+  Answer planned = stiltd("--print-config --set controller.reference=hzd");
+  const std::size_t word = planned.text.find("\"hzd\"");
+  ASSERT_NE(word, std::string::npos);
+  planned.text.replace(word, 5, "\"heuristic\"");
+  EXPECT_EQ(planned.text, usual.text) << "weights and step times of the gaits";
+}
+
+TEST(Stiltd, ChecksAConfigurationAsTheControllerTakesIt) {
+  for (const auto& [set, sentence] :
+       {std::pair{"--robot rabbit --set supervisor.select_gait=true", "; set it to false\n"},
+        std::pair{"--set controller.reference=hzd --set cost.base_x=0",
+                  "the weights in cost admit no terminal"},
+        std::pair{"--set sqp.instruction_set=neon", "sqp.instruction_set"}}) {
+    const Answer run = stiltd(std::string("--check-config ") + set);
+    EXPECT_EQ(run.status, 2) << set;
+    EXPECT_TRUE(has(run, sentence)) << set << run.text;
+    EXPECT_FALSE(has(run, ": valid\n")) << set;
+  }
 }
 
 /// As docs/first-day.md begins with a robot of one's own; it has no configuration beside it.
@@ -122,6 +149,24 @@ TEST(Stiltd, FindsTheUrdfOfAConfigurationFromAnyWorkingDirectory) {
   EXPECT_TRUE(has(from(here, "--print-config --config robot.toml"), "\nrobot = \"mine.urdf\"\n"));
   EXPECT_TRUE(
       has(from("/", "--print-config --config " + file), "\nrobot = \"" + folder.file("mine.urdf") + "\"\n"));
+}
+
+TEST(Stiltd, TakesAFolderWithAnyNameInUtf8) {
+  const tests::OwnFolder folder;
+  const std::string here = folder.path().string() + "/j\xc3\xbcrgen \xe6\xad\xa9";
+  std::filesystem::create_directory(here);
+  std::filesystem::copy_file(
+      std::filesystem::path(SHIPPED).parent_path() / "../../codegen/robots/amber3m.urdf",
+      here + "/mine.urdf");
+  std::ofstream(here + "/robot.toml") << "[hardware]\nrobot = \"mine.urdf\"\n";
+  const Answer checked = stiltd("--check-config --config '" + here + "/robot.toml'");
+  EXPECT_EQ(checked.status, 0) << checked.text;
+  EXPECT_TRUE(has(checked, "\nrobot " + here + "/mine.urdf\n")) << checked.text;
+  for (const char* damaged : {"\xff", "\xc3", "\xc3(", "\x80", "\xe6\xad"}) {
+    const Answer run = stiltd(std::string("--check-config --set 'hardware.robot=") + damaged + ".urdf'");
+    EXPECT_EQ(run.status, 2) << damaged;
+    EXPECT_TRUE(has(run, "must be UTF-8 without quotes")) << run.text;
+  }
 }
 
 TEST(Stiltd, RefusesABusThatIsNotThereInOneSentence) {
@@ -195,7 +240,7 @@ TEST(Stiltd, AMistakeOfTheCommandLineOrTheConfigurationIsInTheJson) {
   }
   EXPECT_NE(refused_json("--set telemetry.peers=300.1.1.1").find("\"300.1.1.1\" is neither"),
             std::string::npos);
-  EXPECT_NE(refused_json("--set telemetry.peers='a\"b'").find("telemetry.peers must not hold quotes"),
+  EXPECT_NE(refused_json("--set telemetry.peers='a\"b'").find("telemetry.peers must be UTF-8 without quotes"),
             std::string::npos);
   EXPECT_NE(refused_json("jog hip_X 0.3").find("\"hip_X\" is no joint"), std::string::npos);
   EXPECT_NE(refused_json("jog hip_L 0.6").find("the angle must be"), std::string::npos);
