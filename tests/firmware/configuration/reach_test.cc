@@ -128,6 +128,7 @@ TEST(Reach, AStandingPoseBeyondTheTravelOfAJointIsNamed) {
   EXPECT_TRUE(says(of(configuration), "knee_R: reference.base_height_m = 0.1"));
   configuration.reference.base_height_m = 0.8;
   configuration.reference.base_pitch_rad = 1.0;
+  configuration.supervisor.base_pitch_limit_rad = 2.0;
   EXPECT_EQ(of(configuration), std::vector<std::string>());
   configuration.reference.base_pitch_rad = 1.5;
   EXPECT_TRUE(says(of(configuration), "hip_L: reference.base_height_m = 0.8"));

@@ -97,9 +97,10 @@ TEST(Stiltd, PrintsNoValueThatFollowsFromAnother) {
   EXPECT_TRUE(has(limited, "\ncatch_falls = true\n"));
   const Answer usual = stiltd("--print-config");
   Answer planned = stiltd("--print-config --set controller.reference=hzd");
-  const std::size_t word = planned.text.find("\"hzd\"");
-  ASSERT_NE(word, std::string::npos);
-  planned.text.replace(word, 5, "\"heuristic\"");
+  const std::string chosen = "\nreference = \"hzd\"\n";
+  const std::size_t place = planned.text.find(chosen);
+  ASSERT_NE(place, std::string::npos);
+  planned.text.replace(place, chosen.size(), "\nreference = \"heuristic\"\n");
   EXPECT_EQ(planned.text, usual.text) << "weights and step times of the gaits";
 }
 
