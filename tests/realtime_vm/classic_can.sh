@@ -10,6 +10,13 @@ wire_up() {
 }
 for bus in can0 can1 can2 can3; do wire_up $bus; done
 
+echo "interrupt threads come before the planner"
+for bus in can0 can2; do
+  stiltd interrupts $bus | grep -q "^$bus: irq/[0-9]*-$bus (process [0-9]*, priority 50) has 70 now$" ||
+    fail "the thread of $bus is not raised: $(stiltd interrupts $bus 2>&1)"
+  stiltd interrupts $bus | grep -q ', priority 70) stays$' || fail "the kernel did not take the priority of $bus"
+done
+
 echo "comes up and stands; then a bus goes down: damped"
 start_robot
 start_controller --start stand
