@@ -114,7 +114,7 @@ void DdsSource::answer(const telemetry::CommandReply& reply, SampleSink& sink) {
     // A robot with another token refuses and cannot prove ours. A forged refusal is a line on the page; the
     // robot's own reply still counts.
     if (!proven && (reply.accepted || asked->refused)) return;
-    sink.reply({sender, asked->sequence, reply.accepted, reply.reason});
+    sink.reply({sender, asked->sequence, reply.accepted, reply.reason, proven});
     if (proven) {
       commands.erase(asked);
     } else {

@@ -254,6 +254,10 @@ void LiveView::reply(const ReplySample& sample) {
   const auto page = std::find_if(pages_.begin(), pages_.end(),
                                  [&](const Page& one) { return one.commander == sample.commander; });
   if (page == pages_.end()) return;
+  if (!sample.proven) {  // shown, but it ends no waiting for the robot's own
+    page->peer->send(reply_message(sample.sequence, false, sample.reason, false));
+    return;
+  }
   const auto asked = page->asked.extract(sample.sequence);
   if (sample.accepted && !asked.empty()) {
     if (telemetry::makes_commander(asked.mapped().kind)) {

@@ -261,8 +261,10 @@ TEST_F(TwoRobots, AreAcceptedWhenTheyProveTheTokenOfTheCommand) {
   }));
   ASSERT_EQ(ignored_.replies.size(), 2u);
   EXPECT_FALSE(ignored_.replies[0].accepted);
+  EXPECT_FALSE(ignored_.replies[0].proven);
   EXPECT_EQ(ignored_.replies[0].reason, "a forged refusal");
   EXPECT_TRUE(ignored_.replies[1].accepted) << "the robot's own reply";
+  EXPECT_TRUE(ignored_.replies[1].proven);
 }
 
 TEST_F(TwoRobots, RefuseAWrongTokenInTheirOwnWords) {
@@ -275,6 +277,7 @@ TEST_F(TwoRobots, RefuseAWrongTokenInTheirOwnWords) {
     return !ignored_.replies.empty();
   }));
   EXPECT_EQ(ignored_.replies.front().reason, "the token is wrong");
+  EXPECT_FALSE(ignored_.replies.front().proven) << "it cannot prove that token";
 }
 
 /// A page that only looks may send commands with wrong tokens without end.
