@@ -123,7 +123,8 @@ void LiveView::command(Page& page, PageMessage&& message) {
   }
   command.commander = page.commander;
   command.with_known_tokens = page.has_key;
-  page.asked[command.sequence] = {command.kind, command.token};
+  const bool with_several = page.has_key && telemetry::is_of_everybody(command.kind);
+  page.asked[command.sequence] = {command.kind, with_several ? std::nullopt : std::optional(command.token)};
   if (page.asked.size() > kAskedAtMost) page.asked.erase(page.asked.begin());
   source_.command(command);
 }
@@ -264,7 +265,7 @@ void LiveView::reply(const ReplySample& sample) {
       for (Page& other : pages_) other.in_command = false;
       page->in_command = true;
     }
-    page->token = asked.mapped().token;
+    if (asked.mapped().token) page->token = *asked.mapped().token;
     rate(*page);
   }
   page->peer->send(reply_message(sample.sequence, sample.accepted, sample.reason));

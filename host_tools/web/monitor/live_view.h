@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,7 +56,7 @@ class LiveView final : public Endpoint, private SampleSink {
   /// A command without reply.
   struct Asked {
     CommandKind kind;
-    std::string token;
+    std::optional<std::string> token;  ///< none: sent with several, and the reply does not say with which
   };
 
   struct Page {

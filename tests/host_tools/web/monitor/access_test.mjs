@@ -63,6 +63,18 @@ test('a refusal that does not prove the token is called one, and the reply of th
   await answer(/walk at 0.50 m\/s: accepted/);
 });
 
+test('a wrong text in the field of the token keeps neither Stop nor Motors off from the robot', async () => {
+  await press('w');
+  await page.click('#token-box summary');
+  await page.fill('#token', 'a guess');
+  await page.keyboard.press('Escape');
+  await answer(/stop: accepted/);
+  await state('stand');
+  await page.keyboard.press('Shift+Escape');
+  await answer(/cut: accepted/);
+  await state('off');
+});
+
 /** A reverse proxy that speaks TLS with a certificate of its own. */
 async function tlsProxy(target) {
   const folder = mkdtempSync(join(tmpdir(), 'stilt-proxy-'));

@@ -127,6 +127,25 @@ TEST(LiveView, AHeartbeatHasTheTokenOfTheCommandThatWasAcceptedAndNotOfTheNewest
   EXPECT_EQ(source.commands.back().token, "right");
 }
 
+TEST(LiveView, AStopWithAWrongTokenOfAPageWithTheKeyLeavesTheHeartbeatItsToken) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  open_with_key(view, page);
+  view.received(*page, false, kWalk);
+  view.step(0.0);
+  source.answers = true;
+  view.step(0.1);
+  view.received(*page, false, R"({"command": "stop", "sequence": 8, "token": "a guess"})");
+  view.step(0.15);
+  EXPECT_TRUE(source.commands.back().with_known_tokens);
+  source.answers = true;
+  view.step(0.2);
+  view.step(0.3);
+  ASSERT_EQ(source.commands.back().kind, CommandKind::heartbeat);
+  EXPECT_EQ(source.commands.back().token, "");
+}
+
 TEST(LiveView, AReplyCountsOnceAndOnlyForACommandThatWasAsked) {
   SilentSource source;
   LiveView view(source, kKey);
