@@ -141,6 +141,7 @@ void LiveView::replace_key(Page& page) {
   for (Page& other : pages_) {
     if (other.peer == page.peer || !other.has_key) continue;
     other.has_key = false;
+    other.in_command = other.in_command && !other.token.empty();
     rate(other);
     send_access(other);
   }
@@ -154,6 +155,12 @@ void LiveView::send_access(Page& page) {
                                   page.has_key ? urls_ : std::vector<std::string>()}));
 }
 
+/// Whether the robot gets heartbeats for a page: of one that is silent, or has lost its rights, it gets none.
+bool LiveView::is_spoken_for(const Page& page) const {
+  if (!page.in_command || now_s_ - page.alive_s > kPageSilence_s) return false;
+  return page.has_key || !page.token.empty();
+}
+
 /// All pages show one run. It changes for a page that is trusted, and not under a page that commands.
 void LiveView::choose(Page& page, const std::string& run_id) {
   if (!page.has_key && page.token.empty()) {
@@ -161,7 +168,7 @@ void LiveView::choose(Page& page, const std::string& run_id) {
     return;
   }
   const bool another_commands = std::ranges::any_of(
-      pages_, [&page](const Page& one) { return one.in_command && one.peer != page.peer; });
+      pages_, [&](const Page& one) { return is_spoken_for(one) && one.peer != page.peer; });
   if (another_commands) {
     page.peer->send(reply_message(0, false, "Another page commands the robot that is shown."));
     return;
@@ -288,8 +295,7 @@ void LiveView::send_heartbeats(double now_s) {
   if (now_s - heartbeat_s_ < kHeartbeatPeriod_s) return;
   heartbeat_s_ = now_s;
   for (const Page& page : pages_) {
-    if (!page.in_command || now_s - page.alive_s > kPageSilence_s) continue;
-    if (page.token.empty() && !page.has_key) continue;
+    if (!is_spoken_for(page)) continue;
     Command heartbeat;
     heartbeat.commander = page.commander;
     heartbeat.token = page.token;
