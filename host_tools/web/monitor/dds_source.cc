@@ -93,6 +93,7 @@ std::vector<std::string> DdsSource::tokens_for(const KnownRun& run, const std::s
     if (!token.empty() && std::ranges::find(tokens, token) == tokens.end()) tokens.push_back(token);
   };
   if (with_known) {
+    if (run.run_id == run_id_) add(active_token_);  // its file may be gone
     add(token_of(run));
     add(token_);
     add(telemetry::read_token(run.token_file).value_or(""));

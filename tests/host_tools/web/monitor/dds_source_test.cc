@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <optional>
@@ -246,6 +247,7 @@ TEST_F(TwoRobots, GetAStopWithTheTokensOfThePageAndNotWithThoseOfTheMonitor) {
 /// A text in a field of the page must not keep the order from the robots.
 TEST_F(TwoRobots, GetAStopAndACutWithTheTokensOfTheMonitorBesideAWrongOneOfAPage) {
   sent(command(CommandKind::sit));
+  std::filesystem::remove(folder_.file("first"));  // it was read before
   Command order = command(CommandKind::stop);
   order.token = "given by a page";
   order.tokens_of_others["0000000000000002"] = "given by a page";
