@@ -44,8 +44,9 @@ std::string pose_text(const control_loop::Event& event) {
 }
 
 const char* state_text(hal::DriverState state) {
-  constexpr std::array<const char*, 4> kNames = {"unknown", "idle", "enabled", "fault"};
-  return kNames[static_cast<std::size_t>(state)];
+  constexpr std::array<const char*, hal::kDriverStates> kNames = {"unknown", "idle", "enabled", "fault"};
+  const auto number = static_cast<std::size_t>(state);
+  return number < kNames.size() ? kNames[number] : "unknown";
 }
 
 std::string fault_text(hal::DriverFault fault, std::uint32_t code) {

@@ -21,7 +21,7 @@ using supervisor::FaultSet;
 constexpr std::array<const char*, model::kStates> kStateNames = {
     "x_b_m",   "z_b_m",   "pitch_b_rad",   "hip_L_rad",   "knee_L_rad",   "hip_R_rad",   "knee_R_rad",
     "x_b_m_s", "z_b_m_s", "pitch_b_rad_s", "hip_L_rad_s", "knee_L_rad_s", "hip_R_rad_s", "knee_R_rad_s"};
-constexpr std::array<const char*, 3> kActions = {"silent", "commands", "disable"};
+constexpr std::array<const char*, supervisor::kActions> kActions = {"silent", "commands", "disable"};
 
 std::string text(std::integral auto number) { return std::to_string(number); }
 std::string text(double number) {
@@ -31,7 +31,10 @@ std::string text(double number) {
 std::string text(supervisor::State state) { return supervisor::name(state); }
 std::string text(supervisor::FallbackLevel level) { return supervisor::name(level); }
 std::string text(supervisor::Reaction reaction) { return supervisor::name(reaction); }
-std::string text(supervisor::Action action) { return kActions[static_cast<std::size_t>(action)]; }
+std::string text(supervisor::Action action) {
+  const auto number = static_cast<std::size_t>(action);
+  return number < kActions.size() ? kActions[number] : "unknown";
+}
 std::string text(hal::DriverState state) { return state_text(state); }
 std::string text(hal::DriverFault fault) { return hal::name(fault); }
 std::string text(FaultSet faults) {

@@ -23,10 +23,12 @@ enum class FallbackLevel : std::uint8_t {
 };
 inline constexpr std::size_t kFallbackLevels = 7;
 
+/// A number that is no level is "unknown".
 [[nodiscard]] constexpr const char* name(FallbackLevel level) noexcept {
   constexpr std::array<const char*, kFallbackLevels> kNames = {"plan", "plan_feedback", "gait", "hold",
                                                                "sit",  "damp",          "off"};
-  return kNames[static_cast<std::size_t>(level)];
+  const auto number = static_cast<std::size_t>(level);
+  return number < kNames.size() ? kNames[number] : "unknown";
 }
 
 /// What a fault asks for, the harder the later.
@@ -43,15 +45,19 @@ enum class Reaction : std::uint8_t {
   damp,  ///< damp the joints
   off,   ///< the motors are disabled
 };
+inline constexpr std::size_t kReactions = 7;
 
+/// A number that is no reaction is "unknown".
 [[nodiscard]] constexpr const char* name(Reaction reaction) noexcept {
-  constexpr std::array<const char*, 7> kNames = {"none", "warn", "slow", "hold", "sit", "damp", "off"};
-  return kNames[static_cast<std::size_t>(reaction)];
+  constexpr std::array<const char*, kReactions> kNames = {"none", "warn", "slow", "hold",
+                                                          "sit",  "damp", "off"};
+  const auto number = static_cast<std::size_t>(reaction);
+  return number < kNames.size() ? kNames[number] : "unknown";
 }
 
 /// The best level that a reaction allows.
 [[nodiscard]] constexpr FallbackLevel best_level(Reaction reaction) noexcept {
-  constexpr std::array<FallbackLevel, 7> kLevels = {
+  constexpr std::array<FallbackLevel, kReactions> kLevels = {
       FallbackLevel::plan, FallbackLevel::plan, FallbackLevel::plan, FallbackLevel::hold,
       FallbackLevel::sit,  FallbackLevel::damp, FallbackLevel::off};
   return kLevels[static_cast<std::size_t>(reaction)];

@@ -23,13 +23,15 @@ enum class State : std::uint8_t {
 };
 inline constexpr std::size_t kStates = 11;
 
+/// A number that is no state is "unknown".
 [[nodiscard]] constexpr const char* name(State state) noexcept {
   constexpr std::array<const char*, kStates> kNames = {"boot", "idle", "calibrate", "ready", "stand", "step",
                                                        "walk", "sit",  "fault",     "off",   "watch"};
-  return kNames[static_cast<std::size_t>(state)];
+  const auto number = static_cast<std::size_t>(state);
+  return number < kNames.size() ? kNames[number] : "unknown";
 }
 
-/// What the robot does there, a sentence without a full stop.
+/// What the robot does there, a sentence without a full stop; also of a number that is no state.
 [[nodiscard]] constexpr const char* description(State state) noexcept {
   constexpr std::array<const char*, kStates> kTexts = {
       "The emergency stop has not reported yet, nothing is sent",
@@ -43,7 +45,8 @@ inline constexpr std::size_t kStates = 11;
       "Damped, or the motors off, until the faults are reset",
       "The drivers are disabled, the end",
       "The drivers are enabled, the joints limp: nothing moves them but a hand"};
-  return kTexts[static_cast<std::size_t>(state)];
+  const auto number = static_cast<std::size_t>(state);
+  return number < kTexts.size() ? kTexts[number] : "Unknown to this program";
 }
 
 /// The torque law is in command.

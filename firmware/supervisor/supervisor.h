@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "firmware/supervisor/detectors.h"
@@ -15,6 +16,7 @@ namespace stilt::supervisor {
 /// off: walk, step, stand, sit, damp, then the motors off (stop category 1 of IEC 60204-1). cut: the motors
 /// off at once (category 0); a standing robot falls. Both end the program.
 enum class RequestKind : std::uint8_t { none, calibrate, stand, step, walk, sit, reset, off, cut };
+inline constexpr std::size_t kRequestKinds = 9;
 
 /// Both end where no joint needs torque. They take their time, and stay asked for without the host.
 [[nodiscard]] constexpr bool leads_to_rest(RequestKind kind) noexcept {
@@ -46,6 +48,7 @@ enum class Action : std::uint8_t {
   commands,  ///< the four commands
   disable,   ///< JointBus::disable()
 };
+inline constexpr std::size_t kActions = 3;
 
 /// What a tick of the supervisor decides.
 struct SupervisorOutput {

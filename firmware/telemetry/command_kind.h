@@ -25,11 +25,13 @@ enum class CommandKind : std::uint8_t {
 };
 inline constexpr std::size_t kCommandKinds = 14;
 
+/// A number that is no kind is "unknown".
 [[nodiscard]] constexpr const char* name(CommandKind kind) noexcept {
   constexpr std::array<const char*, kCommandKinds> kNames = {
       "heartbeat", "prepare", "stand",  "step",    "walk", "sit",     "stop",
       "reset",     "speed",   "height", "tunable", "off",  "release", "cut"};
-  return kNames[static_cast<std::size_t>(kind)];
+  const auto number = static_cast<std::size_t>(kind);
+  return number < kNames.size() ? kNames[number] : "unknown";
 }
 
 /// Taken from every sender with the token, also out of command.

@@ -1,10 +1,13 @@
 #include "firmware/telemetry/tick_batch.h"
 
+#include <algorithm>
 #include <cstring>
+#include <span>
 #include <type_traits>
 #include <vector>
 
 #include "firmware/control_loop/tick_fields.h"
+#include "mpc_core/sqp/solve_status_names.h"
 
 namespace stilt::telemetry {
 namespace {
@@ -30,6 +33,51 @@ using WireOf = std::conditional_t<std::is_void_v<typename Field::Wire>,
                                   decltype(number_of(
                                       std::declval<const Field&>().at(std::declval<const TickRecord&>()))),
                                   typename Field::Wire>;
+
+/// Number of enumerators of each enumeration in the table of fields.
+template <class Enumeration>
+constexpr std::size_t kEnumerators = 0;
+template <>
+constexpr std::size_t kEnumerators<hal::JointBusStatus> = hal::kJointBusStatuses;
+template <>
+constexpr std::size_t kEnumerators<hal::DriverState> = hal::kDriverStates;
+template <>
+constexpr std::size_t kEnumerators<hal::DriverFault> = hal::kDriverFaults;
+template <>
+constexpr std::size_t kEnumerators<hal::EmergencyStopState> = hal::kEmergencyStopStates;
+template <>
+constexpr std::size_t kEnumerators<hal::bring_up::Stage> = hal::bring_up::kStages;
+template <>
+constexpr std::size_t kEnumerators<hal::bring_up::Failure> = hal::bring_up::kFailures;
+template <>
+constexpr std::size_t kEnumerators<hal::bring_up::Setting> = hal::bring_up::kSettings;
+template <>
+constexpr std::size_t kEnumerators<supervisor::RequestKind> = supervisor::kRequestKinds;
+template <>
+constexpr std::size_t kEnumerators<supervisor::Action> = supervisor::kActions;
+template <>
+constexpr std::size_t kEnumerators<supervisor::State> = supervisor::kStates;
+template <>
+constexpr std::size_t kEnumerators<supervisor::FallbackLevel> = supervisor::kFallbackLevels;
+template <>
+constexpr std::size_t kEnumerators<supervisor::Reaction> = supervisor::kReactions;
+template <>
+constexpr std::size_t kEnumerators<sqp::SolveStatus> = sqp::kSolveStatusNames.size();
+template <>
+constexpr std::size_t kEnumerators<gait::GaitKind> = static_cast<std::size_t>(gait::GaitKind::walk) + 1;
+
+/// Whether every number of a field's sequence is one that the field can have.
+template <class Field>
+bool all_known(const dds_sequence_t& sequence) noexcept {
+  using Value =
+      std::remove_cvref_t<decltype(std::declval<const Field&>().at(std::declval<const TickRecord&>()))>;
+  if constexpr (std::is_enum_v<Value>) {
+    static_assert(kEnumerators<Value> > 0 && sizeof(Value) == 1, "a row above");
+    const std::span numbers(sequence._buffer, sequence._length);
+    return std::ranges::all_of(numbers, [](std::uint8_t number) { return number < kEnumerators<Value>; });
+  }
+  return true;
+}
 
 // The sequences of the message have the order of the table, and memory of one layout whatever they hold: that
 // of dds_sequence_t. A test compares names, order and types with the IDL.
@@ -106,8 +154,9 @@ void TickBatchBuilder::clear() noexcept {
 
 bool well_formed(const TickBatch& batch) noexcept {
   bool right = true;
-  for_each_sequence(batch, [&](const auto& field, const dds_sequence_t& sequence) {
+  for_each_sequence(batch, [&]<class Field>(const Field& field, const dds_sequence_t& sequence) {
     right = right && sequence._length == field.count() * batch.count;
+    right = right && all_known<Field>(sequence);
   });
   return right;
 }

@@ -37,7 +37,8 @@ class TickBatchBuilder {
   std::unique_ptr<Memory> memory_;
 };
 
-/// Whether every sequence of a received message has the length that `count` asks for.
+/// Whether every sequence of a received message has the length that `count` asks for. Every number of an
+/// enumeration must be one of its enumerators: anybody may send others, and names are looked up by them.
 [[nodiscard]] bool well_formed(const TickBatch& batch) noexcept;
 
 /// The record of a tick, bit for bit what TickBatchBuilder::add() was given.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -28,6 +29,7 @@ enum class Stage : std::uint8_t {
   ready,   ///< enabled, at zero torque; each step feeds its watchdog, and one that is lost begins anew
   failed,  ///< see StepResult::failure; nothing is sent any more
 };
+inline constexpr std::size_t kStages = 9;
 [[nodiscard]] const char* name(Stage stage) noexcept;
 
 /// Why a bring-up ended without a driver that may be enabled.
@@ -48,6 +50,7 @@ enum class Failure : std::uint8_t {
   void_offsets,    ///< it was up, may have lost its power since, and its position counts from power-up
   wrong_version,   ///< another version than the configuration names, see StepResult::version
 };
+inline constexpr std::size_t kFailures = 15;
 [[nodiscard]] const char* name(Failure failure) noexcept;
 
 /// What the configuration asks of a driver, and how long its answers may take.

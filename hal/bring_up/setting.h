@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace stilt::hal::bring_up {
@@ -39,6 +40,7 @@ enum class Setting : std::uint8_t {
   odrive_hardware_version,
   odrive_other_endpoints,
 };
+inline constexpr auto kSettings = static_cast<std::size_t>(Setting::odrive_other_endpoints) + 1;
 
 /// The vendor's name, and what it must be. Real-time safe.
 [[nodiscard]] constexpr const char* name(Setting setting) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace stilt::hal {
@@ -23,6 +24,7 @@ enum class DriverFault : std::uint8_t {
   emergency_stop,
   other,
 };
+inline constexpr std::size_t kDriverFaults = 15;
 
 [[nodiscard]] constexpr const char* name(DriverFault fault) noexcept {
   switch (fault) {

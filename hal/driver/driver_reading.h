@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -14,6 +15,7 @@ enum class DriverState : std::uint8_t {
   enabled,  ///< follows commands
   fault,    ///< see the fault
 };
+inline constexpr std::size_t kDriverStates = 4;
 
 /// What a driver has reported, at its own shaft; NaN: not reported.
 struct DriverReading {

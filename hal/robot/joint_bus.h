@@ -54,5 +54,6 @@ enum class JointBusStatus : std::uint8_t {
   bus_off,     ///< a bus is off
   disconnected,  ///< a bus is gone
 };
+inline constexpr std::size_t kJointBusStatuses = 5;
 
 }  // namespace stilt::hal

@@ -14,10 +14,14 @@ enum class EmergencyStopState : std::uint8_t {
   unknown,  ///< silent for too long, or never received: to be treated as pressed
   absent,   ///< this robot has no such input
 };
+inline constexpr std::size_t kEmergencyStopStates = 4;
 
+/// A number that is none of them is "unknown".
 [[nodiscard]] constexpr const char* name(EmergencyStopState state) noexcept {
-  constexpr std::array<const char*, 4> kNames = {"released", "pressed", "silent", "not configured"};
-  return kNames[static_cast<std::size_t>(state)];
+  constexpr std::array<const char*, kEmergencyStopStates> kNames = {"released", "pressed", "silent",
+                                                                    "not configured"};
+  const auto number = static_cast<std::size_t>(state);
+  return number < kNames.size() ? kNames[number] : "unknown";
 }
 
 }  // namespace stilt::hal

@@ -11,6 +11,7 @@
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/web/foxglove/bridge.h"
 #include "host_tools/web/monitor/dds_source.h"
+#include "host_tools/web/monitor/printable.h"
 #include "host_tools/web/monitor/serve.h"
 #include "host_tools/web/monitor/terminal_view.h"
 
@@ -92,7 +93,8 @@ int run_monitor(const MonitorOptions& options) {
     return monitor::run_terminal(source);
   }
   monitor::DdsSource source(options.network, *token, [](const std::string& problem) {
-    std::fprintf(stderr, "monitor: %s\n", problem.c_str());
+    // It names a file as the robot names it.
+    std::fprintf(stderr, "monitor: %s\n", monitor::printable(problem).c_str());
   });
   catch_signals();
   foxglove::FoxgloveEndpoint viewers("stilt monitor");

@@ -20,6 +20,7 @@ from stilt.token import read_token, token_path
 ALIVE_PERIOD_S = 0.1  # sign of life; the robot begins to stop 0.9 s after the last one
 SILENCE_S = 1.0  # without a tick, after which the robot counts as silent
 KEPT_S = 60.0  # of ticks, for recent()
+OWN_REPLY_S = 1.0  # for the robot's own reply after a refusal that does not prove the token
 
 MOVES = {'stand': True, 'step': True, 'walk': True, 'sit': False, 'cut': False}  # orders; whether a stop shall end them
 
@@ -80,6 +81,7 @@ class Robot:
         self._link_time_s: float | None = None
         self._received_s = time.monotonic()
         self._replies: dict[int, dict[str, Any]] = {}
+        self._doubts: dict[int, str] = {}  # reasons of refusals that do not prove the token: anybody may send them
         self._sequence = 0
         self._moves = False  # leaving the block stops it
         self._closed = threading.Event()
@@ -240,8 +242,12 @@ class Robot:
         if self._link_time_s is not None:
             values['link_time_s'] = self._link_time_s  # the monitor refuses what comes late
         self._send({'command': command, 'sequence': number, 'token': self._token, **values})
-        self._until(lambda: number in self._replies, f'the robot does not answer the command {command}')
-        reply = self._replies.pop(number)
+        self._until(lambda: number in self._replies or number in self._doubts,
+                    f'the robot does not answer the command {command}')
+        with self._changed:
+            self._changed.wait_for(lambda: number in self._replies or self._problem, OWN_REPLY_S)
+        doubt = self._doubts.pop(number, '')
+        reply = self._replies.pop(number, {'accepted': False, 'reason': f'refused by somebody without this token: {doubt}'})
         if not reply['accepted']:
             raise Refused(f'{command}: {reply["reason"]}')
         self._moves = MOVES.get(command, self._moves)
@@ -286,7 +292,9 @@ class Robot:
             return
         message = json.loads(data)
         kind = message['type']
-        if kind == 'reply':
+        if kind == 'reply' and not message.get('proven', True):
+            self._doubts[message['sequence']] = message['reason']
+        elif kind == 'reply':
             self._replies[message['sequence']] = message
         elif kind == 'link':
             self._silent_s, self._link_time_s = message['silent_s'], message['time_s']

@@ -84,19 +84,45 @@ void DdsSource::learn_token() {
   }
 }
 
+/// Tokens for a stop or cut of that run, each once. What was given may be wrong, so it comes last: the robot
+/// has then accepted the order.
+std::vector<std::string> DdsSource::tokens_for(const KnownRun& run, const std::string& given,
+                                               bool with_known) const {
+  std::vector<std::string> tokens;
+  const auto add = [&tokens](const std::string& token) {
+    if (!token.empty() && std::ranges::find(tokens, token) == tokens.end()) tokens.push_back(token);
+  };
+  if (with_known) {
+    if (run.run_id == run_id_) add(active_token_);  // its file may be gone
+    add(token_of(run));
+    add(token_);
+    add(telemetry::read_token(run.token_file).value_or(""));
+  }
+  add(given);
+  return tokens;
+}
+
+/// For the run that is shown, at least one.
+std::vector<std::string> DdsSource::tokens_of(const Command& command) const {
+  std::vector<std::string> tokens;
+  if (command.with_known_tokens && telemetry::is_of_everybody(command.kind)) {
+    for (const KnownRun& run : decoder_.runs()) {
+      if (run.run_id == decoder_.run_id()) tokens = tokens_for(run, command.token, true);
+    }
+  }
+  if (tokens.empty()) tokens.push_back(command.token.empty() ? active_token_ : command.token);
+  return tokens;
+}
+
 void DdsSource::stop_others(const Command& command) {
   for (const KnownRun& run : decoder_.runs()) {
     if (run.run_id == run_id_) continue;
-    const auto given = command.tokens_of_others.find(run_text(run.run_id));
-    std::string token;
-    if (given != command.tokens_of_others.end()) {
-      token = given->second;
-    } else if (command.with_known_tokens) {
-      token = token_of(run);
+    const auto found = command.tokens_of_others.find(run_text(run.run_id));
+    const std::string given = found == command.tokens_of_others.end() ? "" : found->second;
+    for (const std::string& token : tokens_for(run, given, command.with_known_tokens)) {
+      commander_.set_run(run.run_id, token);
+      static_cast<void>(commander_.send(CommandKind::stop));
     }
-    if (token.empty()) continue;
-    commander_.set_run(run.run_id, token);
-    static_cast<void>(commander_.send(CommandKind::stop));
   }
 }
 
@@ -114,9 +140,11 @@ void DdsSource::answer(const telemetry::CommandReply& reply, SampleSink& sink) {
     // A robot with another token refuses and cannot prove ours. A forged refusal is a line on the page; the
     // robot's own reply still counts.
     if (!proven && (reply.accepted || asked->refused)) return;
-    sink.reply({sender, asked->sequence, reply.accepted, reply.reason});
+    sink.reply({sender, asked->sequence, reply.accepted, reply.reason, proven});
     if (proven) {
-      commands.erase(asked);
+      std::erase_if(commands, [sequence = asked->sequence](const Asked& one) {
+        return one.sequence == sequence;  // also with other tokens
+      });
     } else {
       asked->refused = true;
     }
@@ -124,14 +152,17 @@ void DdsSource::answer(const telemetry::CommandReply& reply, SampleSink& sink) {
   }
 }
 
-void DdsSource::command(const Command& command) {
-  const std::string& token = command.token.empty() ? active_token_ : command.token;
+void DdsSource::send(const Command& command, const std::string& token) {
   commander_.set_run(decoder_.run_id(), token);
   const std::uint64_t number = commander_.send(command.kind, command.value, command.tunable);
   if (command.kind == CommandKind::heartbeat) return;
   std::deque<Asked>& of_sender = asked_[command.commander];
   of_sender.push_back({number, decoder_.run_id(), command.sequence, token});
   if (of_sender.size() > kAskedAtMost) of_sender.pop_front();
+}
+
+void DdsSource::command(const Command& command) {
+  for (const std::string& token : tokens_of(command)) send(command, token);
   if (command.kind == CommandKind::stop) stop_others(command);
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "host_tools/telemetry/commander.h"
 #include "host_tools/telemetry/listener.h"
@@ -48,6 +49,10 @@ class DdsSource final : public SampleSource {
   void answer(const telemetry::CommandReply& reply, SampleSink& sink);
   void learn_token();
   [[nodiscard]] std::string token_of(const KnownRun& run) const;
+  [[nodiscard]] std::vector<std::string> tokens_for(const KnownRun& run, const std::string& given,
+                                                    bool with_known) const;
+  [[nodiscard]] std::vector<std::string> tokens_of(const Command& command) const;
+  void send(const Command& command, const std::string& token);
   void stop_others(const Command& command);
 
   telemetry::Network network_;

@@ -123,7 +123,8 @@ void LiveView::command(Page& page, PageMessage&& message) {
   }
   command.commander = page.commander;
   command.with_known_tokens = page.has_key;
-  page.asked[command.sequence] = {command.kind, command.token};
+  const bool with_several = page.has_key && telemetry::is_of_everybody(command.kind);
+  page.asked[command.sequence] = {command.kind, with_several ? std::nullopt : std::optional(command.token)};
   if (page.asked.size() > kAskedAtMost) page.asked.erase(page.asked.begin());
   source_.command(command);
 }
@@ -140,6 +141,7 @@ void LiveView::replace_key(Page& page) {
   for (Page& other : pages_) {
     if (other.peer == page.peer || !other.has_key) continue;
     other.has_key = false;
+    other.in_command = other.in_command && !other.token.empty();
     rate(other);
     send_access(other);
   }
@@ -153,6 +155,12 @@ void LiveView::send_access(Page& page) {
                                   page.has_key ? urls_ : std::vector<std::string>()}));
 }
 
+/// Whether the robot gets heartbeats for a page: of one that is silent, or has lost its rights, it gets none.
+bool LiveView::is_spoken_for(const Page& page) const {
+  if (!page.in_command || now_s_ - page.alive_s > kPageSilence_s) return false;
+  return page.has_key || !page.token.empty();
+}
+
 /// All pages show one run. It changes for a page that is trusted, and not under a page that commands.
 void LiveView::choose(Page& page, const std::string& run_id) {
   if (!page.has_key && page.token.empty()) {
@@ -160,7 +168,7 @@ void LiveView::choose(Page& page, const std::string& run_id) {
     return;
   }
   const bool another_commands = std::ranges::any_of(
-      pages_, [&page](const Page& one) { return one.in_command && one.peer != page.peer; });
+      pages_, [&](const Page& one) { return is_spoken_for(one) && one.peer != page.peer; });
   if (another_commands) {
     page.peer->send(reply_message(0, false, "Another page commands the robot that is shown."));
     return;
@@ -254,13 +262,17 @@ void LiveView::reply(const ReplySample& sample) {
   const auto page = std::find_if(pages_.begin(), pages_.end(),
                                  [&](const Page& one) { return one.commander == sample.commander; });
   if (page == pages_.end()) return;
+  if (!sample.proven) {  // shown, but it ends no waiting for the robot's own
+    page->peer->send(reply_message(sample.sequence, false, sample.reason, false));
+    return;
+  }
   const auto asked = page->asked.extract(sample.sequence);
   if (sample.accepted && !asked.empty()) {
     if (telemetry::makes_commander(asked.mapped().kind)) {
       for (Page& other : pages_) other.in_command = false;
       page->in_command = true;
     }
-    page->token = asked.mapped().token;
+    if (asked.mapped().token) page->token = *asked.mapped().token;
     rate(*page);
   }
   page->peer->send(reply_message(sample.sequence, sample.accepted, sample.reason));
@@ -283,8 +295,7 @@ void LiveView::send_heartbeats(double now_s) {
   if (now_s - heartbeat_s_ < kHeartbeatPeriod_s) return;
   heartbeat_s_ = now_s;
   for (const Page& page : pages_) {
-    if (!page.in_command || now_s - page.alive_s > kPageSilence_s) continue;
-    if (page.token.empty() && !page.has_key) continue;
+    if (!is_spoken_for(page)) continue;
     Command heartbeat;
     heartbeat.commander = page.commander;
     heartbeat.token = page.token;

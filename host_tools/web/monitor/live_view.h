@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,7 +56,7 @@ class LiveView final : public Endpoint, private SampleSink {
   /// A command without reply.
   struct Asked {
     CommandKind kind;
-    std::string token;
+    std::optional<std::string> token;  ///< none: sent with several, and the reply does not say with which
   };
 
   struct Page {
@@ -90,6 +91,7 @@ class LiveView final : public Endpoint, private SampleSink {
   void command(Page& page, PageMessage&& message);
   /// Why a page may not give this command now, one sentence; empty: it may.
   [[nodiscard]] std::string refusal(const Page& page, const PageMessage& message) const;
+  [[nodiscard]] bool is_spoken_for(const Page& page) const;
   void choose(Page& page, const std::string& run_id);
   void play_from(double from_s);
   void hold(bool held);

@@ -80,13 +80,15 @@ void MessageDecoder::take(const telemetry::Sample& message, SampleSink& sink) {
     expect_configuration(message, sink);
     take_as<telemetry::TickBatch>(message, sink, [&](const auto& batch) { ticks(batch, sink); });
   } else if (topic == &telemetry::kPlannerCycles) {
-    take_as<telemetry::PlannerCycle>(message, sink,
-                                     [&](const auto& cycle) { sink.planner(planner_sample(cycle)); });
+    take_as<telemetry::PlannerCycle>(message, sink, [&](const auto& cycle) {
+      if (well_formed(cycle)) sink.planner(planner_sample(cycle));
+    });
   } else if (topic == &telemetry::kPlans) {
     take_as<telemetry::Plan>(message, sink, [&](const auto& plan) { sink.plan(plan_sample(plan)); });
   } else if (topic == &telemetry::kSupervisor) {
-    take_as<telemetry::Supervisor>(message, sink,
-                                   [&](const auto& state) { sink.supervisor(supervisor_sample(state)); });
+    take_as<telemetry::Supervisor>(message, sink, [&](const auto& state) {
+      if (well_formed(state)) sink.supervisor(supervisor_sample(state));
+    });
   } else if (topic == &telemetry::kEvents) {
     take_as<telemetry::Event>(message, sink, [&](const auto& event) { sink.event(event_sample(event)); });
   } else if (topic == &host_telemetry::kSimulation) {

@@ -40,8 +40,9 @@ class MessageDecoder {
   explicit MessageDecoder(Follow follow = Follow::sending) : follow_(follow) {}
 
   /// Passes the content of the message to `sink`. Ignores topics that a monitor does not show, and bytes that
-  /// are not a message. A run whose messages have another wire version is not followed; one event states it.
-  /// So does one when ticks come without the configuration of their run.
+  /// are not a message. Also ignores messages with a number that its enumeration does not have. A run whose
+  /// messages have another wire version is not followed; one event states it. So does one when ticks come
+  /// without the configuration of their run.
   void take(const telemetry::Sample& message, SampleSink& sink);
 
   /// Follows another known run from now on, for as long as it sends.

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 
+#include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/fault.h"
+#include "firmware/supervisor/state.h"
 #include "firmware/telemetry/cdr.h"
+#include "mpc_core/gait/command.h"
+#include "mpc_core/sqp/solve_status_names.h"
 
 namespace stilt::monitor {
 namespace {
@@ -25,6 +29,16 @@ void copy_bins(const stilt_msgs_msg_dds__Histogram_& message, HistogramSample& s
 }
 
 }  // namespace
+
+bool well_formed(const telemetry::PlannerCycle& message) noexcept {
+  return message.status < sqp::kSolveStatusNames.size();
+}
+
+bool well_formed(const telemetry::Supervisor& message) noexcept {
+  return message.state < supervisor::kStates && message.fallback_level < supervisor::kFallbackLevels &&
+         message.reaction < supervisor::kReactions &&
+         message.gait <= static_cast<std::uint8_t>(gait::GaitKind::walk);
+}
 
 PlannerSample planner_sample(const telemetry::PlannerCycle& message) {
   PlannerSample sample;

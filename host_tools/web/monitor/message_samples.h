@@ -6,6 +6,10 @@
 /// Conversion of each message of stiltd to the sample that a monitor shows.
 namespace stilt::monitor {
 
+/// Whether every number of an enumeration is one of its enumerators. Others may come from anybody.
+[[nodiscard]] bool well_formed(const telemetry::PlannerCycle& message) noexcept;
+[[nodiscard]] bool well_formed(const telemetry::Supervisor& message) noexcept;
+
 [[nodiscard]] PlannerSample planner_sample(const telemetry::PlannerCycle& message);
 
 /// As many nodes as all sequences contain; none when their lengths are inconsistent.

@@ -199,8 +199,12 @@ SharedMessage link_message(const LinkStatus& status) {
                {"playback", playback}});
 }
 
-SharedMessage reply_message(std::uint32_t sequence, bool accepted, const std::string& reason) {
-  return text({{"type", "reply"}, {"sequence", sequence}, {"accepted", accepted}, {"reason", reason}});
+SharedMessage reply_message(std::uint32_t sequence, bool accepted, const std::string& reason, bool proven) {
+  return text({{"type", "reply"},
+               {"sequence", sequence},
+               {"accepted", accepted},
+               {"reason", reason},
+               {"proven", proven}});
 }
 
 }  // namespace stilt::monitor

@@ -58,7 +58,9 @@ struct LinkStatus {
 [[nodiscard]] SharedMessage link_message(const LinkStatus& status);
 
 /// Result of a command, with the page's own number of it.
-[[nodiscard]] SharedMessage reply_message(std::uint32_t sequence, bool accepted, const std::string& reason);
+/// @param proven  false: a refusal of somebody without the command's token; the robot's own reply may follow
+[[nodiscard]] SharedMessage reply_message(std::uint32_t sequence, bool accepted, const std::string& reason,
+                                          bool proven = true);
 
 /// Messages of tables; each needs at least one sample.
 [[nodiscard]] SharedMessage ticks_message(std::span<const TickSample> ticks);

@@ -21,9 +21,11 @@ struct Command {
   std::string token;            ///< token of the run; empty: the one that the source has
   /// Of stop: tokens of other runs, by run_id, for those runs.
   std::map<std::string, std::string> tokens_of_others;
-  bool with_known_tokens = false;  ///< of stop: whether other runs get it with tokens that the source has
-  double value = 0.0;              ///< m/s of walk and speed, m of height, or of the tunable
-  std::string tunable;             ///< name of the tunable
+  /// Of stop and cut: whether they are also sent with each token that the source has. A wrong one above then
+  /// stops nothing less.
+  bool with_known_tokens = false;
+  double value = 0.0;   ///< m/s of walk and speed, m of height, or of the tunable
+  std::string tunable;  ///< name of the tunable
 };
 
 /// A controller that sends.

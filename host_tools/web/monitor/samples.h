@@ -123,6 +123,9 @@ struct ReplySample {
   std::uint32_t sequence = 0;   ///< number of the command, as counted by the sender
   bool accepted = false;
   std::string reason;  ///< reason for a refusal, one sentence
+  /// Whether it proves the token of the command. A refusal that does not is somebody's: of a robot with
+  /// another token, or forged. The robot's own reply may follow.
+  bool proven = true;
 };
 
 }  // namespace stilt::monitor

@@ -7,6 +7,7 @@
 #include "firmware/supervisor/fallback.h"
 #include "firmware/supervisor/fault.h"
 #include "firmware/supervisor/state.h"
+#include "host_tools/web/monitor/printable.h"
 
 namespace stilt::monitor {
 namespace {
@@ -14,15 +15,16 @@ namespace {
 constexpr double kStale_s = 0.5;
 constexpr double kSpeedMemory_s = 0.5;
 
+/// Values come from the network: none may command the terminal or end the line.
 template <class... Values>
 std::string line(const char* format, Values... values) {
   char buffer[300];
   std::snprintf(buffer, sizeof buffer, format, values...);
-  return std::string(buffer) + "\n";
+  return printable(buffer) + "\n";
 }
 
 /// Breaks lines at spaces, continuing under the second column, and drops lines below the last row, so that
-/// the terminal neither wraps nor scrolls.
+/// the terminal neither wraps nor scrolls. A character that is cut in two becomes two question marks.
 std::string fitted(const std::string& text, std::size_t columns, std::size_t rows) {
   constexpr std::size_t kIndent = 10;
   std::string out;
@@ -32,12 +34,12 @@ std::string fitted(const std::string& text, std::size_t columns, std::size_t row
     while (rest.size() > columns && lines + 1 < rows) {
       const std::size_t space = rest.rfind(' ', columns);
       const bool at_word = space != std::string::npos && space > kIndent;
-      out += rest.substr(0, at_word ? space : columns) + '\n';
+      out += printable(rest.substr(0, at_word ? space : columns)) + '\n';
       rest = (columns > 2 * kIndent ? std::string(kIndent, ' ') : "") +
              rest.substr(at_word ? space + 1 : columns);
       ++lines;
     }
-    out += rest.substr(0, columns) + '\n';
+    out += printable(rest.substr(0, columns)) + '\n';
   }
   return out;
 }

@@ -9,7 +9,8 @@
 
 namespace stilt::monitor {
 
-/// Summary as text, for ssh: state, faults, speed, timing, solver. Plain lines, no colours in text().
+/// Summary as text, for ssh: state, faults, speed, timing, solver. Plain lines, no colours in text(), and no
+/// control characters but line feeds, whatever is received.
 class TerminalView final : private SampleSink {
  public:
   explicit TerminalView(SampleSource& source) : source_(source) {}

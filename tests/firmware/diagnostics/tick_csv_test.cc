@@ -52,6 +52,19 @@ TEST(TickCsv, ColumnsHaveNamesOfTheirOwn) {
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
 }
 
+TEST(TickCsv, NumbersThatAreNoEnumeratorsAreUnknown) {
+  control_loop::TickRecord record;
+  record.action = static_cast<supervisor::Action>(255);
+  record.state = static_cast<supervisor::State>(255);
+  record.level = static_cast<supervisor::FallbackLevel>(255);
+  record.reaction = static_cast<supervisor::Reaction>(255);
+  record.joints[0].state = static_cast<hal::DriverState>(255);
+  const auto row = written(record, 0);
+  for (const char* column : {"action", "state", "fallback_level", "reaction", "hip_L_driver_state"}) {
+    EXPECT_EQ(row.at(column), "unknown") << column;
+  }
+}
+
 TEST(TickCsv, ColumnsBeginWithTheDecisionAndGoOnJointByJoint) {
   const std::vector<std::string> names = header();
   ASSERT_EQ(names.size(), 2u + 12 + 4 * 11 + 8 + 14 + 2 * 4 * 5);

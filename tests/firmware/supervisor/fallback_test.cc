@@ -110,5 +110,16 @@ TEST(Fallback, PlansAreFollowedInStatesThatTrackOnly) {
   }
 }
 
+TEST(Fallback, ANumberThatIsNoLevelAndNoReactionHasAName) {
+  for (std::size_t number = kFallbackLevels; number < 256; ++number) {
+    EXPECT_STREQ(name(static_cast<FallbackLevel>(number)), "unknown");
+  }
+  for (std::size_t number = kReactions; number < 256; ++number) {
+    EXPECT_STREQ(name(static_cast<Reaction>(number)), "unknown");
+  }
+  EXPECT_STREQ(name(FallbackLevel::off), "off");
+  EXPECT_STREQ(name(Reaction::off), "off");
+}
+
 }  // namespace
 }  // namespace stilt::supervisor

@@ -149,5 +149,13 @@ TEST(TransitionTable, NoTransitionIsTwiceThereAndNoneLeadsNowhere) {
   }
 }
 
+TEST(State, ANumberThatIsNoStateHasANameAndADescription) {
+  for (std::size_t number = kStates; number < 256; ++number) {
+    EXPECT_STREQ(name(static_cast<State>(number)), "unknown");
+    EXPECT_STREQ(description(static_cast<State>(number)), "Unknown to this program");
+  }
+  EXPECT_STREQ(name(State::watch), "watch");
+}
+
 }  // namespace
 }  // namespace stilt::supervisor

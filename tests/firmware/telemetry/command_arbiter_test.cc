@@ -57,6 +57,13 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"another_commander", [](Asked& c) { c.commander = "bert"; }, "anna commands the robot"}),
     [](const auto& refusal) { return refusal.param.what; });
 
+TEST(CommandKind, a_number_that_is_no_kind_has_a_name) {
+  for (std::size_t number = kCommandKinds; number < 256; ++number) {
+    EXPECT_STREQ(name(static_cast<CommandKind>(number)), "unknown");
+  }
+  EXPECT_STREQ(name(CommandKind::cut), "cut");
+}
+
 TEST_F(CommandArbiterTest,
        commands_without_the_token_are_answered_twenty_times_per_second_however_many_come) {
   int answers = 0;

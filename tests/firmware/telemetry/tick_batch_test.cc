@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <random>
 #include <regex>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "firmware/control_loop/tick_fields.h"
@@ -21,7 +24,28 @@ using control_loop::TickRecord;
 
 constexpr const char* kType = "stilt_msgs/msg/TickBatch";
 
+/// The last enumerator of every field that is an enumeration.
+const std::map<std::string_view, int> kLastNumber = {
+    {"read_status", static_cast<int>(hal::JointBusStatus::disconnected)},
+    {"write_status", static_cast<int>(hal::JointBusStatus::disconnected)},
+    {"driver_state", static_cast<int>(hal::DriverState::fault)},
+    {"driver_fault", static_cast<int>(hal::DriverFault::other)},
+    {"emergency_stop", static_cast<int>(hal::EmergencyStopState::absent)},
+    {"bring_up_stage", static_cast<int>(hal::bring_up::Stage::failed)},
+    {"bring_up_failure", static_cast<int>(hal::bring_up::Failure::wrong_version)},
+    {"bring_up_fault", static_cast<int>(hal::DriverFault::other)},
+    {"bring_up_setting", static_cast<int>(hal::bring_up::Setting::odrive_other_endpoints)},
+    {"request_kind", static_cast<int>(supervisor::RequestKind::cut)},
+    {"result_status", static_cast<int>(sqp::SolveStatus::infeasible)},
+    {"action", static_cast<int>(supervisor::Action::disable)},
+    {"state", static_cast<int>(supervisor::State::watch)},
+    {"fallback_level", static_cast<int>(supervisor::FallbackLevel::off)},
+    {"reaction", static_cast<int>(supervisor::Reaction::off)},
+    {"gait", static_cast<int>(gait::GaitKind::walk)},
+};
+
 /// Records with random bits in every field; small numbers where the message has fewer bits than the record.
+/// Enumerations have random enumerators.
 class RandomTicks {
  public:
   explicit RandomTicks(unsigned seed) : random_(seed) {}
@@ -30,7 +54,7 @@ class RandomTicks {
     TickRecord record;
     record.tick = tick;
     for_each_tick_field([&](const auto& field) {
-      for (std::size_t i = 0; i < field.count(); ++i) fill(field.at(record, i));
+      for (std::size_t i = 0; i < field.count(); ++i) fill(field.at(record, i), field.wire);
     });
     record.bring_up.joint &= 255;
     return record;
@@ -38,9 +62,11 @@ class RandomTicks {
 
  private:
   template <class Value>
-  void fill(Value& value) {
+  void fill(Value& value, std::string_view wire) {
     if constexpr (std::is_same_v<Value, bool>) {
       value = (random_() & 1) != 0;
+    } else if constexpr (std::is_enum_v<Value>) {
+      value = static_cast<Value>(random_() % static_cast<std::uint64_t>(kLastNumber.at(wire) + 1));
     } else {
       const std::uint64_t bits = random_();
       std::memcpy(static_cast<void*>(&value), &bits, sizeof value);
@@ -169,6 +195,34 @@ TEST(TickBatch, AMessageThatLacksNumbersIsNotWellFormed) {
   EXPECT_TRUE(well_formed(builder.message()));
   builder.message().joint_missed_replies._length = 3;
   EXPECT_FALSE(well_formed(builder.message()));
+}
+
+/// Of a batch of two ticks, the second with this number in the field of that name, for the last of its
+/// values.
+template <class Field>
+bool is_well_formed_with(const Field& field, int number) {
+  TickRecord record;
+  TickBatchBuilder builder;
+  builder.add(record);
+  ++record.tick;
+  auto& value = field.at(record, field.count() - 1);
+  value = static_cast<std::remove_cvref_t<decltype(value)>>(number);
+  builder.add(record);
+  return well_formed(builder.message());
+}
+
+TEST(TickBatch, AMessageWithANumberThatIsNoEnumeratorIsNotWellFormed) {
+  std::size_t enumerations = 0;
+  for_each_tick_field([&](const auto& field) {
+    if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(field.at(std::declval<TickRecord&>()))>>) {
+      const int last = kLastNumber.at(field.wire);
+      EXPECT_TRUE(is_well_formed_with(field, last)) << field.wire;
+      EXPECT_FALSE(is_well_formed_with(field, last + 1)) << field.wire;
+      EXPECT_FALSE(is_well_formed_with(field, 255)) << field.wire;
+      ++enumerations;
+    }
+  });
+  EXPECT_EQ(enumerations, kLastNumber.size());
 }
 
 }  // namespace

@@ -40,6 +40,13 @@ class Client(unittest.TestCase):
         self.robot.sit()
         self.assertEqual(self.monitor.values('link_time_s'), [None, 7.1])
 
+    def test_a_refusal_that_does_not_prove_the_token_counts_when_the_robot_itself_does_not_answer(self):
+        self.monitor.forged = 'the robot is tired'
+        self.robot.sit()
+        self.monitor.answers = False
+        with self.assertRaisesRegex(stilt.Refused, '^stop: refused by somebody without this token: the robot is tired$'):
+            self.robot.stop()
+
     def test_a_number_that_is_not_finite_is_refused_before_it_is_sent(self):
         self.robot._patience_s = 0.5
         for value in (math.nan, math.inf, -math.inf):

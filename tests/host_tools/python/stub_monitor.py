@@ -23,12 +23,17 @@ GREETING = (
 
 
 class StubMonitor:
-    """Greets one client like a live monitor whose robot stands, takes all commands, and sends no more by itself."""
+    """Greets one client like a live monitor whose robot stands, takes all commands, and sends no more by itself.
+
+    forged   reason of a refusal without proof that comes before each reply; empty: none does
+    answers  whether a reply comes
+    """
 
     def __init__(self) -> None:
         self._listener = socket.create_server(('127.0.0.1', 0))
         self.address = f'http://127.0.0.1:{self._listener.getsockname()[1]}'
         self._changed = threading.Condition()
+        self.forged, self.answers = '', True
         self._received: list[tuple[float, dict[str, Any]]] = []
         threading.Thread(target=self._serve, daemon=True).start()
 
@@ -95,5 +100,10 @@ class StubMonitor:
             self._received.append((time.monotonic(), message))
             self._changed.notify_all()
         if 'command' in message:
-            self.send({'type': 'reply', 'sequence': message['sequence'], 'accepted': True, 'reason': ''})
+            reply = {'type': 'reply', 'sequence': message['sequence'], 'accepted': True, 'reason': '', 'proven': True}
+            if self.forged:
+                self.send({**reply, 'accepted': False, 'reason': self.forged, 'proven': False})
+                time.sleep(0.1)  # so that the client has taken it
+            if self.answers:
+                self.send(reply)
         return True

@@ -216,11 +216,26 @@ class CommandPanel {
       return;
     }
     const what = extra.what ?? (command === 'walk' ? `walk at ${signed(message.value, 2)} m/s` : command);
-    const timer = setTimeout(() => this.say(`${what}: no answer from the robot yet`, 'bad'), kPatience_ms);
-    this.waiting.set(sequence, { what, timer });
+    const asked = { what, doubt: '' };
+    asked.timer = setTimeout(() => this.say(`${what}: no answer from the robot yet${asked.doubt}`, 'bad'), kPatience_ms);
+    this.waiting.set(sequence, asked);
+  }
+
+  /** Anybody may send a refusal without proof of the token: the robot's own reply is still waited for. */
+  replyOfSomebody(message) {
+    const asked = this.waiting.get(message.sequence);
+    if (!asked) return;
+    const doubt = `refused by somebody without this token: ${message.reason}`;
+    asked.doubt = `; ${doubt}`;
+    this.say(`${asked.what}: ${doubt}`, 'bad');
+    this.showActiveHeight();
   }
 
   reply(message) {
+    if (!message.proven) {
+      this.replyOfSomebody(message);
+      return;
+    }
     const asked = this.waiting.get(message.sequence);
     if (!asked) {
       if (!message.accepted) this.say(message.reason, 'bad');

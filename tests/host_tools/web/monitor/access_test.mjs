@@ -54,6 +54,27 @@ test('a link that is entered in the open page of the plain address lets it comma
   await looker.close();
 });
 
+test('a refusal that does not prove the token is called one, and the reply of the robot itself still counts', async () => {
+  monitor.write('forge the robot is tired');
+  monitor.write('event replies are forged');
+  await until('the event', async () => /replies are forged/.test(await text('#event-list')));
+  assert.match(await press('w'), /^walk at 0.50 m\/s: refused by somebody without this token: the robot is tired$/);
+  monitor.write('answer');
+  await answer(/walk at 0.50 m\/s: accepted/);
+});
+
+test('a wrong text in the field of the token keeps neither Stop nor Motors off from the robot', async () => {
+  await press('w');
+  await page.click('#token-box summary');
+  await page.fill('#token', 'a guess');
+  await page.keyboard.press('Escape');
+  await answer(/stop: accepted/);
+  await state('stand');
+  await page.keyboard.press('Shift+Escape');
+  await answer(/cut: accepted/);
+  await state('off');
+});
+
 /** A reverse proxy that speaks TLS with a certificate of its own. */
 async function tlsProxy(target) {
   const folder = mkdtempSync(join(tmpdir(), 'stilt-proxy-'));

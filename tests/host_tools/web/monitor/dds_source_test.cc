@@ -4,11 +4,13 @@
 #include <sys/stat.h>
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <functional>
-#include <map>
 #include <optional>
+#include <set>
 #include <thread>
+#include <utility>
 
 #include "firmware/telemetry/reader.h"
 #include "firmware/telemetry/secret.h"
@@ -48,11 +50,16 @@ bool eventually(const std::function<bool()>& happened) {
   return false;
 }
 
-Command command(CommandKind kind) {
+Command command(CommandKind kind, std::uint64_t commander = 0, std::uint32_t sequence = 0) {
   Command command;
   command.kind = kind;
+  command.commander = commander;
+  command.sequence = sequence;
   return command;
 }
+
+/// Runs that got a command, each with a token that it proved.
+using Taken = std::set<std::pair<std::uint64_t, std::string>>;
 
 /// The robots' ends of the topics that a monitor needs, for any number of runs.
 class Robots {
@@ -128,19 +135,20 @@ class Robots {
   }
 
   /// Runs of the commands of a kind that have come since the last call, each with the token that it proves.
-  std::map<std::uint64_t, std::string> taken(telemetry::CommandKind kind) {
-    std::map<std::uint64_t, std::string> all;
+  Taken taken(telemetry::CommandKind kind) {
+    Taken all;
     commands_.take([&](telemetry::Sample&& sample) {
       const auto command = sample.as<telemetry::Command>();
       if (!command || command->kind != static_cast<std::uint8_t>(kind)) return;
-      all[command->run_id] = "no token";
+      std::string proven = "no token";
       for (const std::string token : {"token_of_the_first", "token_of_the_second", "given by a page"}) {
         EXPECT_STRNE(command->token, token.c_str()) << "every program of the domain may read commands";
         const std::string proof =
             telemetry::proof(token, {command->run_id, command->commander, command->number, command->kind,
                                      command->value, command->key});
-        if (proof == command->token) all[command->run_id] = token;
+        if (proof == command->token) proven = token;
       }
+      all.emplace(command->run_id, proven);
     });
     return all;
   }
@@ -175,15 +183,25 @@ class TwoRobots : public testing::Test {
     }));
   }
 
-  /// Sends a command to sit until the robots have it.
-  Robots::Received sent(const Command& sit) {
+  /// Sends a command until the robots have it.
+  Robots::Received sent(const Command& command) {
     std::optional<Robots::Received> received;
     EXPECT_TRUE(eventually([&] {
-      source_.command(sit);
-      received = robots_.first(telemetry::CommandKind::sit);
+      source_.command(command);
+      received = robots_.first(command.kind);
       return received.has_value();
     }));
     return received.value_or(Robots::Received{});
+  }
+
+  /// What comes to the robots of commands of a kind, at least so many.
+  Taken got(CommandKind kind, std::size_t count) {
+    Taken all;
+    EXPECT_TRUE(eventually([&] {
+      all.merge(robots_.taken(kind));
+      return all.size() >= count;
+    }));
+    return all;
   }
 
   tests::OwnFolder folder_;
@@ -195,22 +213,17 @@ class TwoRobots : public testing::Test {
 };
 
 TEST_F(TwoRobots, GetAStopEachWithItsOwnTokenAndOtherCommandsGoToTheOneThatIsShown) {
-  std::map<std::uint64_t, std::string> stops, walks;
+  Taken walks;
   ASSERT_TRUE(eventually([&] {
     source_.command(command(CommandKind::walk));
     walks.merge(robots_.taken(telemetry::CommandKind::walk));
     return !walks.empty();
   }));
-  EXPECT_EQ(walks, (std::map<std::uint64_t, std::string>{{1, "token_of_the_first"}}));
+  EXPECT_EQ(walks, (Taken{{1, "token_of_the_first"}}));
   Command stop = command(CommandKind::stop);
   stop.with_known_tokens = true;
   source_.command(stop);
-  ASSERT_TRUE(eventually([&] {
-    stops.merge(robots_.taken(telemetry::CommandKind::stop));
-    return stops.size() >= 2;
-  }));
-  EXPECT_EQ(stops,
-            (std::map<std::uint64_t, std::string>{{1, "token_of_the_first"}, {2, "token_of_the_second"}}));
+  EXPECT_EQ(got(CommandKind::stop, 2), (Taken{{1, "token_of_the_first"}, {2, "token_of_the_second"}}));
 }
 
 /// A page without the monitor's key: what it stops is what it has tokens for.
@@ -218,7 +231,7 @@ TEST_F(TwoRobots, GetAStopWithTheTokensOfThePageAndNotWithThoseOfTheMonitor) {
   Command stop = command(CommandKind::stop);
   stop.token = "given by a page";
   const auto stops_after = [&](const Command& first, std::size_t count) {
-    std::map<std::uint64_t, std::string> stops;
+    Taken stops;
     EXPECT_TRUE(eventually([&] {
       source_.command(first);
       stops.merge(robots_.taken(telemetry::CommandKind::stop));
@@ -226,10 +239,49 @@ TEST_F(TwoRobots, GetAStopWithTheTokensOfThePageAndNotWithThoseOfTheMonitor) {
     }));
     return stops;
   };
-  EXPECT_EQ(stops_after(stop, 1), (std::map<std::uint64_t, std::string>{{1, "given by a page"}}));
+  EXPECT_EQ(stops_after(stop, 1), (Taken{{1, "given by a page"}}));
   stop.tokens_of_others["0000000000000002"] = "token_of_the_second";
-  EXPECT_EQ(stops_after(stop, 2),
-            (std::map<std::uint64_t, std::string>{{1, "given by a page"}, {2, "token_of_the_second"}}));
+  EXPECT_EQ(stops_after(stop, 2), (Taken{{1, "given by a page"}, {2, "token_of_the_second"}}));
+}
+
+/// A text in a field of the page must not keep the order from the robots.
+TEST_F(TwoRobots, GetAStopAndACutWithTheTokensOfTheMonitorBesideAWrongOneOfAPage) {
+  sent(command(CommandKind::sit));
+  std::filesystem::remove(folder_.file("first"));  // it was read before
+  Command order = command(CommandKind::stop);
+  order.token = "given by a page";
+  order.tokens_of_others["0000000000000002"] = "given by a page";
+  order.with_known_tokens = true;
+  source_.command(order);
+  const Taken of_the_shown = {{1, "token_of_the_first"}, {1, "given by a page"}};
+  Taken stops = of_the_shown;
+  stops.insert({{2, "token_of_the_second"}, {2, "given by a page"}});
+  EXPECT_EQ(got(CommandKind::stop, 4), stops);
+  order.kind = CommandKind::cut;
+  source_.command(order);
+  EXPECT_EQ(got(CommandKind::cut, 2), of_the_shown);
+  order.kind = CommandKind::walk;
+  source_.command(order);
+  EXPECT_EQ(got(CommandKind::walk, 1), (Taken{{1, "given by a page"}})) << "another order";
+}
+
+TEST_F(TwoRobots, AnswerAStopWithSeveralTokensOnce) {
+  Command sit = command(CommandKind::sit, 5, 8);
+  const Robots::Received last = sent(sit);
+  Command stop = command(CommandKind::stop, 5, 9);
+  stop.token = "given by a page";
+  stop.with_known_tokens = true;
+  const Robots::Received first = sent(stop);
+  robots_.accept(1, first);
+  robots_.reply(1, {first.commander, first.number + 1}, false, "a wrong token", "token_of_the_first");
+  robots_.accept(1, last);
+  ASSERT_TRUE(eventually([&] {
+    source_.poll(ignored_);
+    return ignored_.replies.size() >= 2;
+  }));
+  EXPECT_TRUE(ignored_.replies[0].accepted);
+  EXPECT_EQ(ignored_.replies[0].sequence, 9u);
+  EXPECT_EQ(ignored_.replies[1].sequence, 8u) << "no refusal of the wrong token";
 }
 
 /// Each receives every command, and the one that it is not for may be faster with its refusal.
@@ -245,8 +297,7 @@ TEST_F(TwoRobots, DoNotAnswerForEachOther) {
 
 /// Every program of the domain reads commands and may answer them.
 TEST_F(TwoRobots, AreAcceptedWhenTheyProveTheTokenOfTheCommand) {
-  Command sit = command(CommandKind::sit);
-  sit.commander = 5;
+  Command sit = command(CommandKind::sit, 5);
   const Robots::Received received = sent(sit);
   for (const char* token : {"", "a guess", "token_of_the_second"}) {
     robots_.reply(1, received, true, "", token);
@@ -261,8 +312,10 @@ TEST_F(TwoRobots, AreAcceptedWhenTheyProveTheTokenOfTheCommand) {
   }));
   ASSERT_EQ(ignored_.replies.size(), 2u);
   EXPECT_FALSE(ignored_.replies[0].accepted);
+  EXPECT_FALSE(ignored_.replies[0].proven);
   EXPECT_EQ(ignored_.replies[0].reason, "a forged refusal");
   EXPECT_TRUE(ignored_.replies[1].accepted) << "the robot's own reply";
+  EXPECT_TRUE(ignored_.replies[1].proven);
 }
 
 TEST_F(TwoRobots, RefuseAWrongTokenInTheirOwnWords) {
@@ -275,16 +328,14 @@ TEST_F(TwoRobots, RefuseAWrongTokenInTheirOwnWords) {
     return !ignored_.replies.empty();
   }));
   EXPECT_EQ(ignored_.replies.front().reason, "the token is wrong");
+  EXPECT_FALSE(ignored_.replies.front().proven) << "it cannot prove that token";
 }
 
 /// A page that only looks may send commands with wrong tokens without end.
 TEST_F(TwoRobots, AnswerASenderWhateverAnotherHasAskedSince) {
-  Command first = command(CommandKind::sit);
-  first.commander = 5;
-  first.sequence = 7;
+  Command first = command(CommandKind::sit, 5, 7);
   const Robots::Received received = sent(first);
-  Command flood = command(CommandKind::walk);
-  flood.commander = 6;
+  Command flood = command(CommandKind::walk, 6);
   flood.token = "wrong";
   for (int k = 0; k < 2000; ++k) source_.command(flood);
   ASSERT_TRUE(eventually([&] {
@@ -297,12 +348,10 @@ TEST_F(TwoRobots, AnswerASenderWhateverAnotherHasAskedSince) {
 }
 
 TEST_F(TwoRobots, DoNotAnswerASenderThatIsGone) {
-  Command first = command(CommandKind::sit);
-  first.commander = 5;
+  Command first = command(CommandKind::sit, 5);
   const Robots::Received received = sent(first);
   source_.forget(5);
-  Command next = command(CommandKind::walk);
-  next.commander = 6;
+  Command next = command(CommandKind::walk, 6);
   robots_.accept(1, received);
   ASSERT_TRUE(eventually([&] {
     source_.command(next);
@@ -334,13 +383,13 @@ TEST_F(TwoRobots, AThirdWhoseTokenFileIsAFifoStopsNothingAndIsNamed) {
 TEST_F(TwoRobots, AreCommandedByTheirOwnTokensAfterAnotherIsChosen) {
   source_.choose("0000000000000002");
   source_.poll(ignored_);
-  std::map<std::uint64_t, std::string> walks;
+  Taken walks;
   ASSERT_TRUE(eventually([&] {
     source_.command(command(CommandKind::walk));
     walks.merge(robots_.taken(telemetry::CommandKind::walk));
     return !walks.empty();
   }));
-  EXPECT_EQ(walks, (std::map<std::uint64_t, std::string>{{2, "token_of_the_second"}}));
+  EXPECT_EQ(walks, (Taken{{2, "token_of_the_second"}}));
 }
 
 }  // namespace

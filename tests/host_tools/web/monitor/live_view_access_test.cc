@@ -91,6 +91,63 @@ TEST(LiveView, ANewKeyEndsWhatEveryOtherPageMayDo) {
   EXPECT_EQ(source.commands.size(), 1u);
 }
 
+/// A page in command, and another that would show another run.
+struct CommandsAndLooks {
+  CommandsAndLooks() {
+    open_with_key(view, commands);
+    open_with_key(view, looks);
+    view.received(*commands, false, kWalk);
+    view.step(0.0);
+    source.answers = true;
+    view.step(0.1);
+    view.received(*looks, false, R"({"run": "refused"})");
+    view.step(0.2);
+  }
+
+  SilentSource source;
+  LiveView view{source, kKey};
+  std::shared_ptr<FakePeer> commands = std::make_shared<FakePeer>(), looks = std::make_shared<FakePeer>();
+};
+
+TEST(LiveView, APageInCommandThatIsSilentKeepsNoOtherFromShowingAnotherRun) {
+  CommandsAndLooks both;
+  EXPECT_EQ(both.source.chosen, "") << "it gave a sign of life 0.2 s ago";
+  both.view.received(*both.looks, false, R"({"run": "other"})");
+  both.view.step(0.6);
+  EXPECT_EQ(both.source.chosen, "other");
+}
+
+TEST(LiveView, APageInCommandThatGivesAnotherKeyKeepsNoOtherFromShowingAnotherRun) {
+  CommandsAndLooks both;
+  both.view.received(*both.commands, false, R"({"key": "none"})");
+  both.view.step(0.3);
+  const int before = both.source.heartbeats();
+  both.view.received(*both.looks, false, R"({"run": "other"})");
+  both.view.step(0.4);
+  EXPECT_EQ(both.source.chosen, "other");
+  EXPECT_EQ(both.source.heartbeats(), before);
+}
+
+TEST(LiveView, APageInCommandWhoseLinkWasTakenBackCommandsNoMoreAlsoWithTheNextLink) {
+  CommandsAndLooks both;
+  EXPECT_EQ(both.source.chosen, "");
+  both.view.received(*both.looks, false, R"({"new_key": true})");
+  both.view.received(*both.commands, false, R"({"alive": true})");
+  both.view.step(0.3);
+  both.view.received(*both.looks, false, R"({"run": "other"})");
+  both.view.received(*both.commands, false, R"({"alive": true})");
+  both.view.step(0.4);
+  EXPECT_EQ(both.source.chosen, "other");
+  const std::string key = both.looks->of_type("access").back()["key"];
+  both.view.received(*both.commands, false, R"({"key": ")" + key + "\"}");
+  both.view.step(0.5);
+  ASSERT_TRUE(both.commands->of_type("access").back()["has_key"]);
+  const int before = both.source.heartbeats();
+  both.view.step(0.6);
+  both.view.step(0.7);
+  EXPECT_EQ(both.source.heartbeats(), before) << "before it gives another order";
+}
+
 TEST(LiveView, StopCarriesTheTokensOfOtherRuns) {
   SilentSource source;
   LiveView view(source, kKey);
@@ -125,6 +182,25 @@ TEST(LiveView, AHeartbeatHasTheTokenOfTheCommandThatWasAcceptedAndNotOfTheNewest
   view.step(0.4);
   ASSERT_EQ(source.heartbeats(), 1);
   EXPECT_EQ(source.commands.back().token, "right");
+}
+
+TEST(LiveView, AStopWithAWrongTokenOfAPageWithTheKeyLeavesTheHeartbeatItsToken) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  open_with_key(view, page);
+  view.received(*page, false, kWalk);
+  view.step(0.0);
+  source.answers = true;
+  view.step(0.1);
+  view.received(*page, false, R"({"command": "stop", "sequence": 8, "token": "a guess"})");
+  view.step(0.15);
+  EXPECT_TRUE(source.commands.back().with_known_tokens);
+  source.answers = true;
+  view.step(0.2);
+  view.step(0.3);
+  ASSERT_EQ(source.commands.back().kind, CommandKind::heartbeat);
+  EXPECT_EQ(source.commands.back().token, "");
 }
 
 TEST(LiveView, AReplyCountsOnceAndOnlyForACommandThatWasAsked) {

@@ -60,6 +60,39 @@ TEST(LiveView, ARefusedCommandPutsNoPageInCommand) {
   EXPECT_EQ(page->of_type("reply").at(0)["reason"], "the robot has fallen");
 }
 
+/// Every program of the domain may send replies.
+TEST(LiveView, ARefusalWithoutProofIsShownAsOneAndTheRobotsOwnReplyStillCounts) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  open_with_key(view, page);
+  view.received(*page, false, kWalk);
+  view.step(0.0);
+  const std::uint64_t commander = source.commands.at(0).commander;
+  source.news = [commander](SampleSink& sink) {
+    sink.reply({commander, 7, false, "the robot is tired", false});
+    sink.reply({commander, 7, true, "", false});
+  };
+  view.step(0.1);
+  view.step(0.2);
+  auto replies = page->of_type("reply");
+  ASSERT_EQ(replies.size(), 2u);
+  for (const auto& reply : replies) {
+    EXPECT_FALSE(reply["proven"]);
+    EXPECT_FALSE(reply["accepted"]);
+  }
+  EXPECT_EQ(replies[0]["reason"], "the robot is tired");
+  EXPECT_EQ(source.heartbeats(), 0) << "nobody's acceptance";
+  source.answers = true;
+  view.step(0.3);
+  view.step(0.4);
+  replies = page->of_type("reply");
+  ASSERT_EQ(replies.size(), 3u);
+  EXPECT_TRUE(replies[2]["proven"]);
+  EXPECT_TRUE(replies[2]["accepted"]);
+  EXPECT_EQ(source.heartbeats(), 1) << "the page is in command";
+}
+
 TEST(LiveView, AClosedPageIsNotSpokenFor) {
   SilentSource source;
   LiveView view(source, kKey);

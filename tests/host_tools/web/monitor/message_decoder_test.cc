@@ -18,8 +18,8 @@ class Kept final : public SampleSink {
   void configuration(const ConfigurationSample& sample) override { configurations.push_back(sample); }
   void tick(const TickSample& sample) override { ticks.push_back(sample); }
   void plan(const PlanSample&) override {}
-  void planner(const PlannerSample&) override {}
-  void supervisor(const SupervisorSample&) override {}
+  void planner(const PlannerSample& sample) override { cycles.push_back(sample); }
+  void supervisor(const SupervisorSample& sample) override { states.push_back(sample); }
   void event(const EventSample& sample) override { events.push_back(sample); }
   void timing(const TimingSample&) override {}
   void truth(const TruthSample&) override {}
@@ -27,6 +27,8 @@ class Kept final : public SampleSink {
 
   std::vector<ConfigurationSample> configurations;
   std::vector<TickSample> ticks;
+  std::vector<PlannerSample> cycles;
+  std::vector<SupervisorSample> states;
   std::vector<EventSample> events;
 };
 
@@ -260,6 +262,51 @@ TEST(MessageDecoder, BytesThatAreNoMessageAreLeftOut) {
   decoder.take(sample, kept);
   sample.cdr.clear();
   decoder.take(sample, kept);
+  EXPECT_TRUE(kept.ticks.empty());
+}
+
+/// A message of the supervisor of run 1 with another number at one place.
+telemetry::Sample supervisor_with(std::uint8_t telemetry::Supervisor::* place, std::uint8_t number) {
+  char empty[] = "";
+  telemetry::Supervisor message{};
+  message.run_id = 1;
+  message.commander = message.state_name = message.fallback_level_name = empty;
+  message.*place = number;
+  return on(telemetry::kSupervisor, message);
+}
+
+/// Anybody on the network can send them, and names are looked up by them.
+TEST(MessageDecoder, ANumberThatIsNoEnumeratorIsRefusedWithItsMessage) {
+  using telemetry::Supervisor;
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  struct Place {
+    std::uint8_t Supervisor::* place;
+    std::uint8_t last;
+  };
+  std::size_t taken = 0;
+  for (const auto& [place, last] : {Place{&Supervisor::state, 10}, Place{&Supervisor::fallback_level, 6},
+                                    Place{&Supervisor::reaction, 6}, Place{&Supervisor::gait, 2}}) {
+    decoder.take(supervisor_with(place, last), kept);
+    EXPECT_EQ(kept.states.size(), ++taken);
+    decoder.take(supervisor_with(place, static_cast<std::uint8_t>(last + 1)), kept);
+    decoder.take(supervisor_with(place, 255), kept);
+    EXPECT_EQ(kept.states.size(), taken);
+  }
+  telemetry::PlannerCycle cycle{};
+  cycle.run_id = 1;
+  for (const std::uint8_t status : {std::uint8_t{5}, std::uint8_t{6}, std::uint8_t{255}}) {
+    cycle.status = status;
+    decoder.take(on(telemetry::kPlannerCycles, cycle), kept);
+  }
+  EXPECT_EQ(kept.cycles.size(), 1u);
+  telemetry::TickBatchBuilder builder;
+  control_loop::TickRecord record;
+  record.emergency_stop = static_cast<hal::EmergencyStopState>(4);
+  builder.add(record);
+  builder.message().run_id = 1;
+  decoder.take(on(telemetry::kTicks, builder.message()), kept);
   EXPECT_TRUE(kept.ticks.empty());
 }
 

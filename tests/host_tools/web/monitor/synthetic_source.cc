@@ -97,6 +97,12 @@ void SyntheticSource::change(const std::string& words) {
     state_ = number(State::idle);
   } else if (verb == "dead") {
     joints_answer_ = false;
+  } else if (verb == "forge") {
+    std::getline(stream, forged_);
+    forged_ = argument + forged_;
+  } else if (verb == "answer") {
+    forged_.clear();
+    for (; !kept_back_.empty(); kept_back_.pop_front()) replies_.push_back(kept_back_.front());
   } else if (verb == "record") {
     live_ = false;
   } else {
@@ -133,7 +139,8 @@ void SyntheticSource::poll(SampleSink& sink) {
 }
 
 std::string SyntheticSource::refusal(const Command& command) const {
-  if (!command.token.empty() && command.token != kToken) {
+  const bool with_several = command.with_known_tokens && telemetry::is_of_everybody(command.kind);
+  if (!command.token.empty() && command.token != kToken && !with_several) {
     return "The token is not that of this run.";
   }
   const bool fast = std::abs(command.value) > 1.0;
@@ -157,7 +164,13 @@ void SyntheticSource::command(const Command& command) {
   const std::string why = refusal(command);
   if (why.empty()) apply(command);
   if (command.kind == CommandKind::heartbeat) return;
-  replies_.push_back({command.commander, command.sequence, why.empty(), why});
+  const ReplySample reply{command.commander, command.sequence, why.empty(), why};
+  if (forged_.empty()) {
+    replies_.push_back(reply);
+  } else {
+    replies_.push_back({command.commander, command.sequence, false, forged_, false});
+    kept_back_.push_back(reply);
+  }
 }
 
 void SyntheticSource::apply(const Command& command) {

@@ -20,7 +20,8 @@ class SyntheticSource final : public SampleSource {
   void advance(double now_s);
 
   /// Changes something, in words: "silent", "talk", "fault NAME FOUND", "over NAME", "drop N", "run",
-  /// "others", "push N", "idle", "dead", "record". Throws std::invalid_argument when it is none of them.
+  /// "others", "push N", "idle", "dead", "record". "forge REASON" refuses each command without proof and
+  /// keeps the own replies back until "answer". Throws std::invalid_argument when it is none of them.
   void change(const std::string& words);
 
   void poll(SampleSink& sink) override;
@@ -57,6 +58,8 @@ class SyntheticSource final : public SampleSource {
   std::map<std::string, std::string> found_;
   double swing_height_m_ = 0.06, hip_height_m_ = 0.78;
   std::deque<ReplySample> replies_;
+  std::string forged_;                 ///< reason of forged refusals; empty: there are none
+  std::deque<ReplySample> kept_back_;  ///< own replies meanwhile
   std::deque<EventSample> events_;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <regex>
 
+#include "firmware/supervisor/fault.h"
 #include "synthetic_source.h"
 
 namespace stilt::monitor {
@@ -28,6 +29,50 @@ TEST(TerminalView, ShowsStateSpeedSolverTimingAndThatNoFaultIsThere) {
                            "deadline 500 us", "faults    none"}) {
     EXPECT_TRUE(holds(text, part)) << part << " is not in\n" << text;
   }
+}
+
+/// Every text of a robot clears the screen, begins a line and writes to the clipboard.
+class HostileSource final : public SampleSource {
+ public:
+  static constexpr const char* kText = "\x1b[2J\nfaults    none\r\x07\x7f\x9b\xc2\x9b \x1b]52;c;bHM=\x07 end";
+
+  void poll(SampleSink& sink) override {
+    ConfigurationSample configuration;
+    configuration.robot = kText;
+    sink.configuration(configuration);
+    SupervisorSample supervisor;
+    supervisor.commander = kText;
+    supervisor.present = 1;
+    supervisor.found[supervisor::kFaultTable[0].name] = kText;
+    sink.supervisor(supervisor);
+    TimingSample timing;
+    timing.histograms.resize(1);
+    timing.histograms[0].name = kText;
+    sink.timing(timing);
+    sink.event({0.0, kText, false});
+  }
+  void command(const Command&) override {}
+  [[nodiscard]] std::string describe() const override { return "a hostile robot"; }
+  [[nodiscard]] bool live() const override { return true; }
+};
+
+TEST(TerminalView, NoTextOfARobotCommandsTheTerminal) {
+  HostileSource source;
+  TerminalView view(source);
+  view.step(0.0);
+  for (const std::size_t columns : {40u, 300u}) {
+    const std::string text = view.text(columns, 60);
+    for (const char letter : text)
+      EXPECT_TRUE(letter == '\n' || (letter >= 0x20 && letter < 0x7f)) << +letter;
+    EXPECT_FALSE(holds(text, "\nfaults    none")) << text;
+  }
+  const std::string text = view.text(300, 60);
+  std::size_t shown = 0;
+  for (std::size_t at = 0; (at = text.find("?[2J?faults    none????? ?]52;c;bHM=? end", at)) != text.npos;
+       ++at) {
+    ++shown;
+  }
+  EXPECT_EQ(shown, 5u) << "robot, commander, finding, histogram and event in\n" << text;
 }
 
 TEST(TerminalView, AFaultSaysItsCauseAndWhatClearsIt) {

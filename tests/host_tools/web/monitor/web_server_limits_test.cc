@@ -1,5 +1,8 @@
 // What a client may send to a web server, and how many connections it has.
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
 
 #include <memory>
 #include <string>
@@ -138,6 +141,32 @@ TEST_F(WebServerTest, ARequestThatDoesNotComeAndAnEndThatIsNotTakenEndTheirConne
   malformed.send(frame(0x80, "hi"));
   EXPECT_EQ(half.rest(), "");
   pages.wait_for_closed(1);
+}
+
+/// The server's ends of connections are sockets of this process.
+std::vector<int> server_ends(int port) {
+  constexpr int kDescriptors = 1024;
+  std::vector<int> found;
+  for (int socket = 0; socket < kDescriptors; ++socket) {
+    sockaddr_in here{}, there{};
+    socklen_t here_bytes = sizeof here, there_bytes = sizeof there;
+    const bool connected = getsockname(socket, reinterpret_cast<sockaddr*>(&here), &here_bytes) == 0 &&
+                           getpeername(socket, reinterpret_cast<sockaddr*>(&there), &there_bytes) == 0;
+    if (connected && here.sin_family == AF_INET && ntohs(here.sin_port) == port) found.push_back(socket);
+  }
+  return found;
+}
+
+TEST_F(WebServerTest, AConnectionWhoseOtherEndTakesNothingMoreEndsAfter35Seconds) {
+  const Client client(server.port());
+  client.send(own_page());
+  ASSERT_EQ(status_of(client.head()), 101);
+  const std::vector<int> ends = server_ends(server.port());
+  ASSERT_EQ(ends.size(), 1u);
+  int limit_ms = 0;
+  socklen_t bytes = sizeof limit_ms;
+  ASSERT_EQ(getsockopt(ends[0], IPPROTO_TCP, TCP_USER_TIMEOUT, &limit_ms, &bytes), 0);
+  EXPECT_EQ(limit_ms, 35'000);
 }
 
 TEST_F(WebServerTest, WhatHasNotOpenedASocketHasNoMessages) {
