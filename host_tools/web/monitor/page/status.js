@@ -167,6 +167,10 @@ class StatusPanel {
     if (!link?.received) {
       return { level: 'waiting', words: 'waiting', alarm: `Waiting for a controller: nothing received yet from ${hello?.source ?? 'the source'}.` };
     }
+    if (hello.live && link.behind_s > kStale_s) {
+      return { level: 'stale', words: `${link.behind_s.toFixed(1)} s behind`,
+        alarm: `This page is ${link.behind_s.toFixed(1)} s behind the monitor: the data are stale. The network or this computer is too slow.` };
+    }
     if (hello.live && link.silent_s > kStale_s) {
       return { level: 'stale', words: `silent ${link.silent_s.toFixed(0)} s`,
         alarm: `No data for ${link.silent_s.toFixed(1)} s: the data are stale. stiltd has ended, or the network is gone.` };
