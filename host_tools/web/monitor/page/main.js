@@ -123,7 +123,7 @@ class Monitor {
   }
 
   writeNumbers(time_s, state) {
-    const speed = state ? this.robot.speedAt(time_s) : null;
+    const speed = state && this.status.fresh ? this.robot.speedAt(time_s) : null;
     const box = document.getElementById('speed-now');
     box.textContent = speed === null ? '–' : signed(speed, 2);
     box.dataset.value = speed ?? '';

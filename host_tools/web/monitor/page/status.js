@@ -30,6 +30,7 @@ class StatusPanel {
     this.link = null;
     this.reported_s = 0;
     this.connected = false;
+    this.fresh = false;
     this.runChanged_s = -Infinity;
     this.lastFaults = null;
     this.runsWritten = null;
@@ -48,6 +49,17 @@ class StatusPanel {
       if (button) row.cells[1].replaceChildren(button);
     }
     document.getElementById('fault-table').replaceChildren(table);
+    this.forgetState();
+  }
+
+  /** Another monitor, or another time of a record: nothing is known of the robot. */
+  forgetState() {
+    const pill = document.getElementById('state');
+    pill.textContent = '–';
+    delete pill.dataset.state;
+    document.getElementById('state-text').textContent = '';
+    document.getElementById('fault-list').replaceChildren();
+    document.body.classList.remove('faulty');
     this.lastFaults = null;
   }
 
@@ -108,6 +120,7 @@ class StatusPanel {
   /** Says how old the picture is; called several times per second, also when no message comes. */
   update(now_s) {
     const { alarm, level, words } = this.connectionAt(now_s);
+    this.fresh = level === 'live';
     const box = document.getElementById('alarm');
     box.hidden = alarm === null;
     if (alarm !== null && box.textContent !== alarm) box.textContent = alarm;
@@ -127,7 +140,7 @@ class StatusPanel {
   }
 
   writeEmergencyStop() {
-    const name = this.link?.emergency_stop;
+    const name = this.fresh ? this.link.emergency_stop : 'not known';
     const box = document.getElementById('emergency-stop');
     box.textContent = name ? `emergency stop ${name}` : '';
     box.classList.toggle('bad', name === 'pressed' || name === 'silent');

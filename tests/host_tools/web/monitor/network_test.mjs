@@ -1,10 +1,10 @@
-// The page behind a network that becomes slow, with a synthetic robot: synthetic_monitor.
+// What the page shows of data that come late or not at all, with a synthetic robot: synthetic_monitor.
 
 import assert from 'node:assert/strict';
 import net from 'node:net';
 import { test } from 'node:test';
-import { openPage, until } from './browser.mjs';
-import { browser, monitor } from './synthetic.mjs';
+import { openPage, shownSpeed, until } from './browser.mjs';
+import { browser, monitor, page, press, state, text } from './synthetic.mjs';
 
 const kPeriod_s = 0.02;
 
@@ -63,4 +63,27 @@ test('a page whose network is too slow is stale, stays a few seconds behind at m
     await far.close();
     network.close();
   }
+});
+
+test('what was before a silence is not shown as of now', async () => {
+  const before = page.locator('.before');
+  await press('w');
+  await state('walk');
+  await until('a speed', async () => (await shownSpeed(page)) > 0.3);
+  const emergencyStop = (pattern) => until(`an emergency stop like ${pattern}`, async () => pattern.test(await text('#emergency-stop')));
+  await emergencyStop(/^emergency stop not configured$/);
+  assert.ok(await before.first().isHidden());
+  monitor.write('silent');
+  await until('the cover', async () => (await text('#stage-cover')) === 'STALE DATA');
+  await emergencyStop(/^emergency stop not known$/);
+  await until('no speed', async () => (await text('#speed-now')) === '–' && (await shownSpeed(page)) === null);
+  assert.deepEqual(await before.allTextContents(), ['before the silence', 'before the silence']);
+  for (const one of await before.all()) assert.ok(await one.isVisible());
+  const filterOf = (selector) => page.$eval(selector, (shown) => getComputedStyle(shown).filter);
+  for (const selector of ['#state', '#faults']) assert.equal(await filterOf(selector), 'grayscale(1)', selector);
+  assert.equal(await text('#state'), 'walk');
+  monitor.write('talk');
+  await emergencyStop(/^emergency stop not configured$/);
+  await until('a speed', async () => (await shownSpeed(page)) !== null);
+  assert.ok(await before.first().isHidden());
 });
