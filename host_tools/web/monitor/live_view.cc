@@ -203,7 +203,7 @@ void LiveView::send(const SharedMessage& message) {
 void LiveView::configuration(const ConfigurationSample& sample) {
   if (sample.run_id != run_id_) {
     flush_tables(now_s_);
-    history_.clear_tables();
+    history_.clear_run();
     run_id_ = sample.run_id;
     ticks_follow_ = false;
     ++link_.runs;

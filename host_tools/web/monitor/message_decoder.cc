@@ -15,6 +15,8 @@ namespace {
 /// Samples of other runs that are kept until one of them is followed, and runs that are kept.
 constexpr std::size_t kMostWaiting = 4096;
 constexpr std::size_t kMostRuns = 16;
+/// Of each run, as many as stiltd keeps for a late reader.
+constexpr std::size_t kMostEvents = 256;
 /// Two seconds. The configuration of a run comes with its first ticks, also to a monitor that starts later.
 constexpr std::uint64_t kTicksWithoutConfiguration = 2000;
 
@@ -40,6 +42,19 @@ std::vector<KnownRun> MessageDecoder::runs() const {
   return all;
 }
 
+void MessageDecoder::keep_event(std::uint64_t run_id, const telemetry::Sample& message) {
+  auto found = std::ranges::find(events_, run_id, &EventsOfRun::run_id);
+  if (found == events_.end()) {
+    if (events_.size() == kMostRuns) {
+      events_.erase(
+          std::ranges::find_if(events_, [this](const EventsOfRun& one) { return one.run_id != run_id_; }));
+    }
+    found = events_.insert(events_.end(), {run_id, {}});
+  }
+  found->events.push_back(message);
+  if (found->events.size() > kMostEvents) found->events.pop_front();
+}
+
 /// Whether a message is of the run that is followed. One of another run waits: perhaps that one is followed
 /// next, and then nothing of it is missing.
 bool MessageDecoder::ours(std::uint64_t run_id, const telemetry::Sample& message, SampleSink& sink) {
@@ -50,12 +65,15 @@ bool MessageDecoder::ours(std::uint64_t run_id, const telemetry::Sample& message
     run.batches_ago = 0;
     if (message.topic == &telemetry::kTuning) run.tuning = message;
   }
+  const bool event = message.topic == &telemetry::kEvents;
+  if (event) keep_event(run_id, message);
   if (run_id_ == 0) return false;
   if (run_id == run_id_) {
     of_others_ += of_next_run_.size();
     of_next_run_.clear();
     return true;
   }
+  if (event) return false;
   of_next_run_.push_back(message);
   if (of_next_run_.size() > kMostWaiting) of_next_run_.pop_front();
   const Run* other = known(run_id);
@@ -148,6 +166,12 @@ void MessageDecoder::follow(const Run& run, SampleSink& sink) {
   const auto tuning = run.tuning;
   sink.configuration(configuration_);
   if (tuning) tune(*tuning->as<telemetry::Tuning>(), sink);
+  const auto before = std::ranges::find(events_, run_id_, &EventsOfRun::run_id);
+  if (before != events_.end()) {
+    for (const telemetry::Sample& event : before->events) {
+      sink.event(event_sample(*event.as<telemetry::Event>()));
+    }
+  }
   const std::deque<telemetry::Sample> waiting = std::exchange(of_next_run_, {});
   for (const telemetry::Sample& sample : waiting) take(sample, sink);
 }

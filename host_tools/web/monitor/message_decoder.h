@@ -65,6 +65,14 @@ class MessageDecoder {
     std::uint64_t batches_ago = 0;  ///< batches of ticks of all runs since its last sample
   };
 
+  struct EventsOfRun {
+    std::uint64_t run_id = 0;
+    std::deque<telemetry::Sample> events;  ///< the newest, oldest first
+  };
+
+  /// Keeps an event, also of a run whose configuration is not known yet: both last, and either may come
+  /// first.
+  void keep_event(std::uint64_t run_id, const telemetry::Sample& message);
   /// States once that a run's messages cannot be read.
   void refuse(std::uint64_t run_id, const std::string& sentence, SampleSink& sink);
   /// Refuses a run whose ticks come without a configuration for two seconds.
@@ -82,6 +90,7 @@ class MessageDecoder {
 
   Follow follow_;
   std::vector<Run> runs_;
+  std::deque<EventsOfRun> events_;             ///< one entry per run, in the order of their first events
   std::deque<telemetry::Sample> of_next_run_;  ///< of other runs, since the last sample of the followed one
   std::uint64_t run_id_ = 0;
   std::int64_t run_start_ns_ = 0;

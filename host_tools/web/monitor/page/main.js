@@ -54,6 +54,7 @@ class Monitor {
         const before = this.robot.configuration?.run_id;
         this.robot.configure(message);
         const another = before !== undefined && before !== message.run_id;
+        if (another) document.getElementById('event-list').replaceChildren();
         this.status.configure(message, another, now_s);
         this.tunables.configure(message.tunables);
         this.commands.configure(message);

@@ -155,6 +155,7 @@ TEST(LiveView, AnotherRunLeavesNothingOfTheOneBefore) {
   EXPECT_EQ(page->of_type("configuration").at(0)["run_id"], "synthetic-2");
   for (const SharedMessage& message : page->messages) EXPECT_FALSE(message->binary);
   EXPECT_TRUE(page->of_type("supervisor").empty());
+  EXPECT_TRUE(page->of_type("event").empty());
 }
 
 TEST(LiveView, ARecordTakesNoCommands) {

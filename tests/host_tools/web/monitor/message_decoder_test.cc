@@ -4,6 +4,8 @@
 
 #include <array>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/wire_version.h"
@@ -79,6 +81,15 @@ telemetry::Sample tuning(std::uint64_t run_id, std::optional<double> value) {
   if (value) message.values._buffer = &*value;
   message.values._length = message.values._maximum = value ? 1 : 0;
   return on(telemetry::kTuning, message);
+}
+
+telemetry::Sample event(std::uint64_t run_id, std::string text) {
+  char name[] = "";
+  telemetry::Event message{};
+  message.run_id = run_id;
+  message.name = name;
+  message.text = text.data();
+  return on(telemetry::kEvents, message);
 }
 
 TEST(MessageDecoder, TicksCountTheirTimeFromTheControllersStart) {
@@ -187,6 +198,59 @@ TEST(MessageDecoder, ARunThatIsChosenIsFollowedWithTheTunablesItHasNow) {
   decoder.take(one_tick(2, 9), kept);
   EXPECT_EQ(kept.ticks.back().record.tick, 9u);
   EXPECT_EQ(decoder.of_others(), 2u) << "of run 2 its tuning, of run 1 a tick";
+}
+
+std::vector<std::string> texts_of(const Kept& kept) {
+  std::vector<std::string> texts;
+  for (const EventSample& event : kept.events) texts.push_back(event.text);
+  return texts;
+}
+
+TEST(MessageDecoder, ARunThatIsChosenHasTheEventsOfItsPastAndOfNoOtherRun) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  decoder.take(event(2, "ready"), kept);
+  decoder.take(one_tick(1, 0), kept);
+  decoder.take(configuration(2, 200), kept);
+  decoder.take(event(2, "walk"), kept);
+  decoder.take(event(1, "stand"), kept);
+  decoder.take(one_tick(1, 1), kept);
+  EXPECT_EQ(texts_of(kept), std::vector<std::string>{"stand"});
+  EXPECT_EQ(decoder.of_others(), 0u) << "they are kept";
+  kept.events.clear();
+  decoder.choose(2, kept);
+  decoder.take(event(2, "sit"), kept);
+  EXPECT_EQ(texts_of(kept), (std::vector<std::string>{"ready", "walk", "sit"}));
+  kept.events.clear();
+  decoder.choose(1, kept);
+  EXPECT_EQ(texts_of(kept), std::vector<std::string>{"stand"}) << "the first run again";
+}
+
+TEST(MessageDecoder, EventsOfTheFirstRunThatComeBeforeItsConfigurationAreKept) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(event(1, "ready"), kept);
+  EXPECT_TRUE(kept.events.empty());
+  decoder.take(configuration(1, 100), kept);
+  EXPECT_EQ(texts_of(kept), std::vector<std::string>{"ready"});
+}
+
+TEST(MessageDecoder, OfARunTheNewestEventsAreKeptAndOfManyRunsThoseOfTheOneThatIsFollowed) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  decoder.take(event(1, "stand"), kept);
+  for (std::uint64_t run = 100; run < 200; ++run) decoder.take(event(run, "other"), kept);
+  decoder.take(configuration(2, 200), kept);
+  for (int number = 0; number < 1000; ++number) decoder.take(event(2, std::to_string(number)), kept);
+  kept.events.clear();
+  decoder.choose(2, kept);
+  EXPECT_EQ(kept.events.size(), 256u);
+  EXPECT_EQ(kept.events.back().text, "999");
+  kept.events.clear();
+  decoder.choose(1, kept);
+  EXPECT_EQ(texts_of(kept), std::vector<std::string>{"stand"});
 }
 
 TEST(MessageDecoder, RunsThatEndedLongAgoAreForgottenAndTheOneThatIsFollowedIsNot) {
