@@ -306,6 +306,7 @@ void LiveView::note_link_status(double now_s) {
   link_.time_s = now_s;
   link_.of_others = source_.of_others();
   link_.talking = source_.talking();
+  link_.refused = source_.refused();
   link_.playback = source_.playback();
   link_.silent_s = link_.received ? now_s - newest_s_ : 0.0;
 }

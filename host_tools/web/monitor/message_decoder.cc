@@ -116,9 +116,13 @@ void MessageDecoder::take(const telemetry::Sample& message, SampleSink& sink) {
 }
 
 void MessageDecoder::refuse(std::uint64_t run_id, const std::string& sentence, SampleSink& sink) {
-  if (run_id == refused_run_) return;
-  refused_run_ = run_id;
-  sink.event({.time_s = newest_tick_s_, .text = "run " + run_text(run_id) + " " + sentence, .serious = true});
+  auto found = std::ranges::find(refused_runs_, run_id, &Refused::run_id);
+  if (found == refused_runs_.end()) {
+    if (refused_runs_.size() == kMostRuns) refused_runs_.pop_front();
+    found = refused_runs_.insert(refused_runs_.end(), {run_id, "run " + run_text(run_id) + " " + sentence});
+    sink.event({.time_s = newest_tick_s_, .text = found->text, .serious = true});
+  }
+  refused_ = found->text;
 }
 
 void MessageDecoder::expect_configuration(const telemetry::Sample& message, SampleSink& sink) {
@@ -141,6 +145,7 @@ void MessageDecoder::configure(const telemetry::Sample& message, SampleSink& sin
     return;
   }
   unconfigured_ticks_ = 0;
+  refused_.clear();
   if (runs_.size() == kMostRuns) {
     runs_.erase(std::ranges::max_element(
         runs_, {}, [this](const Run& run) { return std::pair(run.run_id != run_id_, run.batches_ago); }));

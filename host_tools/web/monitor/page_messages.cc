@@ -197,6 +197,7 @@ SharedMessage link_message(const LinkStatus& status) {
                {"runs", status.runs},
                {"not_sent", status.not_sent},
                {"talking", talking},
+               {"refused", status.refused},
                {"playback", playback}});
 }
 

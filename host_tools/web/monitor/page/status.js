@@ -119,10 +119,11 @@ class StatusPanel {
 
   /** Says how old the picture is; called several times per second, also when no message comes. */
   update(now_s) {
-    const { alarm, level, words } = this.connectionAt(now_s);
+    const { alarm, level, words, serious = true } = this.connectionAt(now_s);
     this.fresh = level === 'live';
     const box = document.getElementById('alarm');
     box.hidden = alarm === null;
+    box.classList.toggle('serious', serious);
     if (alarm !== null && box.textContent !== alarm) box.textContent = alarm;
     document.body.classList.toggle('stale', level === 'stale');
     document.body.classList.toggle('waiting', level === 'waiting');
@@ -166,7 +167,7 @@ class StatusPanel {
     }), ...others);
   }
 
-  /** How old the picture is: its level, the alarm or null, and the words at the top. */
+  /** How old the picture is: its level, the alarm or null, whether that is serious, and the words at the top. */
   connectionAt(now_s) {
     const { link, robot: { hello } } = this;
     if (!this.connected) {
@@ -178,7 +179,8 @@ class StatusPanel {
         alarm: `Nothing from the monitor for ${unreported_s.toFixed(1)} s: the data are stale. stilt monitor hangs, or the network is gone.` };
     }
     if (!link?.received) {
-      return { level: 'waiting', words: 'waiting', alarm: `Waiting for a controller: nothing received yet from ${hello?.source ?? 'the source'}.` };
+      if (link?.refused) return { level: 'waiting', words: 'not readable', alarm: `Nothing can be shown: ${link.refused}.` };
+      return { level: 'waiting', words: 'waiting', serious: false, alarm: `Waiting for a controller: nothing received yet from ${hello?.source ?? 'the source'}.` };
     }
     if (hello.live && link.behind_s > kStale_s) {
       return { level: 'stale', words: `${link.behind_s.toFixed(1)} s behind`,
@@ -186,7 +188,8 @@ class StatusPanel {
     }
     if (hello.live && link.silent_s > kStale_s) {
       return { level: 'stale', words: `silent ${link.silent_s.toFixed(0)} s`,
-        alarm: `No data for ${link.silent_s.toFixed(1)} s: the data are stale. stiltd has ended, or the network is gone.` };
+        alarm: `No data for ${link.silent_s.toFixed(1)} s: the data are stale. ` +
+          (link.refused ? `Nothing newer can be shown: ${link.refused}.` : 'stiltd has ended, or the network is gone.') };
     }
     return { level: 'live', words: hello.live ? 'live' : 'record', alarm: null };
   }
