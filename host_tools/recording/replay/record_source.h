@@ -64,6 +64,7 @@ class RecordSource final : public monitor::SampleSource {
   }
   [[nodiscard]] std::string describe() const override { return path_; }
   [[nodiscard]] bool live() const override { return false; }
+  [[nodiscard]] std::string refused() const override { return decoder_.refused(); }
 
  private:
   /// The last messages of a topic that are still true later.

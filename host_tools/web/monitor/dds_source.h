@@ -34,6 +34,7 @@ class DdsSource final : public SampleSource {
   [[nodiscard]] bool live() const override { return true; }
   [[nodiscard]] bool has_token() const override { return !active_token_.empty(); }
   [[nodiscard]] std::uint64_t of_others() const override { return decoder_.of_others(); }
+  [[nodiscard]] std::string refused() const override { return decoder_.refused(); }
 
  private:
   /// A command without reply.

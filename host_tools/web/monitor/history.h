@@ -31,9 +31,10 @@ class History {
     while (tables_.front().came_s < now_s - kKept_s) tables_.pop_front();
   }
 
-  /// Removes the tables of the previous run.
-  void clear_tables() {
+  /// Removes what is of the previous run.
+  void clear_run() {
     tables_.clear();
+    events_.clear();
     plan_.reset();
     supervisor_.reset();
     timing_.reset();

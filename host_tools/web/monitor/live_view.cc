@@ -53,8 +53,10 @@ void LiveView::welcome_new_pages() {
     closed.swap(closed_);
   }
   for (auto& peer : opened) {
-    pages_.push_back({.peer = peer, .commander = random_number(), .alive_s = now_s_});
+    pages_.push_back({.peer = peer, .commander = random_number(), .alive_s = now_s_, .opened_s = now_s_});
     peer->send(hello_message(source_));
+    note_link_status(now_s_);
+    send_link_status(pages_.back());  // before the history, whose way the page's answer then measures
     history_.send_to(*peer);
     watched_ = true;
   }
@@ -88,6 +90,7 @@ void LiveView::apply(Page& page, const std::string& text, double now_s) {
     page.peer->send(reply_message(0, false, message.error()));
     return;
   }
+  if (!message->is_command && message->link_time_s) page.behind_s = now_s - *message->link_time_s;
   if (!message->key.empty()) take_key(page, message->key);
   if (message->new_key && page.has_key) replace_key(page);
   if (message->from_s && !source_.live()) play_from(*message->from_s);
@@ -196,13 +199,19 @@ void LiveView::hold(bool held) {
 }
 
 void LiveView::send(const SharedMessage& message) {
-  for (const Page& page : pages_) page.peer->send(message);
+  for (Page& page : pages_) {
+    if (message->droppable && catches_up(page)) {
+      ++page.left_out;
+    } else {
+      page.peer->send(message);
+    }
+  }
 }
 
 void LiveView::configuration(const ConfigurationSample& sample) {
   if (sample.run_id != run_id_) {
     flush_tables(now_s_);
-    history_.clear_tables();
+    history_.clear_run();
     run_id_ = sample.run_id;
     ticks_follow_ = false;
     ++link_.runs;
@@ -295,7 +304,7 @@ void LiveView::send_heartbeats(double now_s) {
   if (now_s - heartbeat_s_ < kHeartbeatPeriod_s) return;
   heartbeat_s_ = now_s;
   for (const Page& page : pages_) {
-    if (!is_spoken_for(page)) continue;
+    if (!is_spoken_for(page) || page.behind_s > kOldestLink_s) continue;
     Command heartbeat;
     heartbeat.commander = page.commander;
     heartbeat.token = page.token;
@@ -303,18 +312,28 @@ void LiveView::send_heartbeats(double now_s) {
   }
 }
 
-void LiveView::send_link_status(double now_s) {
-  link_s_ = now_s;
+void LiveView::note_link_status(double now_s) {
   link_.time_s = now_s;
   link_.of_others = source_.of_others();
   link_.talking = source_.talking();
+  link_.refused = source_.refused();
   link_.playback = source_.playback();
   link_.silent_s = link_.received ? now_s - newest_s_ : 0.0;
+}
+
+void LiveView::send_link_status(double now_s) {
+  link_s_ = now_s;
+  note_link_status(now_s);
   for (Page& page : pages_) {
     if (page.sent_has_token != source_.has_token()) send_access(page);
-    link_.not_sent = page.peer->dropped();
-    page.peer->send(link_message(link_));
+    send_link_status(page);
   }
+}
+
+void LiveView::send_link_status(const Page& page) {
+  link_.not_sent = page.peer->dropped() + page.left_out;
+  link_.behind_s = page.behind_s;
+  page.peer->send(link_message(link_));
 }
 
 }  // namespace stilt::monitor

@@ -35,6 +35,14 @@ class LiveView final : public Endpoint, private SampleSink {
   /// still for longer, an order comes late, and its operator did not see what the robot did meanwhile.
   static constexpr double kOldestLink_s = 0.5;
 
+  /// The same in signs of life: above it a page gets no tables until it has caught up. It counts transit to
+  /// the page and back, and up to a period of either message. Above kOldestLink_s it gets no heartbeat
+  /// either.
+  static constexpr double kCatchUp_s = 0.3;
+
+  /// Seconds after opening in which a page is busy with itself, and gets all tables.
+  static constexpr double kOpening_s = 2.0;
+
   /// Commands of a page without reply; the one with the lowest number is forgotten.
   static constexpr std::size_t kAskedAtMost = 32;
 
@@ -63,7 +71,10 @@ class LiveView final : public Endpoint, private SampleSink {
     std::shared_ptr<Peer> peer;
     std::uint64_t commander = 0;
     double alive_s = 0.0;
-    std::string token{};                     ///< of its last accepted command to the run that is shown
+    double opened_s = 0.0;
+    double behind_s = 0.0;       ///< age of its newest link message when its last sign of life came
+    std::uint64_t left_out = 0;  ///< tables, while it caught up
+    std::string token{};         ///< of its last accepted command to the run that is shown
     std::map<std::uint32_t, Asked> asked{};  ///< by its numbers of them
     bool in_command = false;
     bool has_key = false;
@@ -96,8 +107,14 @@ class LiveView final : public Endpoint, private SampleSink {
   void play_from(double from_s);
   void hold(bool held);
   void send_heartbeats(double now_s);
+  void note_link_status(double now_s);
   void send_link_status(double now_s);
+  void send_link_status(const Page& page);
   void send(const SharedMessage& message);
+  /// Whether that page gets no more tables now.
+  [[nodiscard]] bool catches_up(const Page& page) const {
+    return page.behind_s > kCatchUp_s && now_s_ - page.opened_s > kOpening_s;
+  }
   [[nodiscard]] bool may_use_token(const Page& page) const { return page.has_key && source_.has_token(); }
 
   SampleSource& source_;

@@ -15,6 +15,8 @@ namespace {
 /// Samples of other runs that are kept until one of them is followed, and runs that are kept.
 constexpr std::size_t kMostWaiting = 4096;
 constexpr std::size_t kMostRuns = 16;
+/// Of each run, as many as stiltd keeps for a late reader.
+constexpr std::size_t kMostEvents = 256;
 /// Two seconds. The configuration of a run comes with its first ticks, also to a monitor that starts later.
 constexpr std::uint64_t kTicksWithoutConfiguration = 2000;
 
@@ -40,6 +42,19 @@ std::vector<KnownRun> MessageDecoder::runs() const {
   return all;
 }
 
+void MessageDecoder::keep_event(std::uint64_t run_id, const telemetry::Sample& message) {
+  auto found = std::ranges::find(events_, run_id, &EventsOfRun::run_id);
+  if (found == events_.end()) {
+    if (events_.size() == kMostRuns) {
+      events_.erase(
+          std::ranges::find_if(events_, [this](const EventsOfRun& one) { return one.run_id != run_id_; }));
+    }
+    found = events_.insert(events_.end(), {run_id, {}});
+  }
+  found->events.push_back(message);
+  if (found->events.size() > kMostEvents) found->events.pop_front();
+}
+
 /// Whether a message is of the run that is followed. One of another run waits: perhaps that one is followed
 /// next, and then nothing of it is missing.
 bool MessageDecoder::ours(std::uint64_t run_id, const telemetry::Sample& message, SampleSink& sink) {
@@ -50,12 +65,15 @@ bool MessageDecoder::ours(std::uint64_t run_id, const telemetry::Sample& message
     run.batches_ago = 0;
     if (message.topic == &telemetry::kTuning) run.tuning = message;
   }
+  const bool event = message.topic == &telemetry::kEvents;
+  if (event) keep_event(run_id, message);
   if (run_id_ == 0) return false;
   if (run_id == run_id_) {
     of_others_ += of_next_run_.size();
     of_next_run_.clear();
     return true;
   }
+  if (event) return false;
   of_next_run_.push_back(message);
   if (of_next_run_.size() > kMostWaiting) of_next_run_.pop_front();
   const Run* other = known(run_id);
@@ -100,9 +118,13 @@ void MessageDecoder::take(const telemetry::Sample& message, SampleSink& sink) {
 }
 
 void MessageDecoder::refuse(std::uint64_t run_id, const std::string& sentence, SampleSink& sink) {
-  if (run_id == refused_run_) return;
-  refused_run_ = run_id;
-  sink.event({.time_s = newest_tick_s_, .text = "run " + run_text(run_id) + " " + sentence, .serious = true});
+  auto found = std::ranges::find(refused_runs_, run_id, &Refused::run_id);
+  if (found == refused_runs_.end()) {
+    if (refused_runs_.size() == kMostRuns) refused_runs_.pop_front();
+    found = refused_runs_.insert(refused_runs_.end(), {run_id, "run " + run_text(run_id) + " " + sentence});
+    sink.event({.time_s = newest_tick_s_, .text = found->text, .serious = true});
+  }
+  refused_ = found->text;
 }
 
 void MessageDecoder::expect_configuration(const telemetry::Sample& message, SampleSink& sink) {
@@ -125,6 +147,7 @@ void MessageDecoder::configure(const telemetry::Sample& message, SampleSink& sin
     return;
   }
   unconfigured_ticks_ = 0;
+  refused_.clear();
   if (runs_.size() == kMostRuns) {
     runs_.erase(std::ranges::max_element(
         runs_, {}, [this](const Run& run) { return std::pair(run.run_id != run_id_, run.batches_ago); }));
@@ -150,6 +173,12 @@ void MessageDecoder::follow(const Run& run, SampleSink& sink) {
   const auto tuning = run.tuning;
   sink.configuration(configuration_);
   if (tuning) tune(*tuning->as<telemetry::Tuning>(), sink);
+  const auto before = std::ranges::find(events_, run_id_, &EventsOfRun::run_id);
+  if (before != events_.end()) {
+    for (const telemetry::Sample& event : before->events) {
+      sink.event(event_sample(*event.as<telemetry::Event>()));
+    }
+  }
   const std::deque<telemetry::Sample> waiting = std::exchange(of_next_run_, {});
   for (const telemetry::Sample& sample : waiting) take(sample, sink);
 }

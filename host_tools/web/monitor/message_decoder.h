@@ -57,6 +57,10 @@ class MessageDecoder {
   /// Samples left out because they are of another run, while the one that is followed sends.
   [[nodiscard]] std::uint64_t of_others() const { return of_others_; }
 
+  /// Why the newest run whose messages cannot be read is not followed: the text of its event. Empty when
+  /// there is none, or another run's configuration came after it.
+  [[nodiscard]] const std::string& refused() const { return refused_; }
+
  private:
   /// What is kept of a run, to follow it later.
   struct Run {
@@ -66,6 +70,20 @@ class MessageDecoder {
     std::uint64_t batches_ago = 0;  ///< batches of ticks of all runs since its last sample
   };
 
+  struct EventsOfRun {
+    std::uint64_t run_id = 0;
+    std::deque<telemetry::Sample> events;  ///< the newest, oldest first
+  };
+
+  /// A run whose messages cannot be read.
+  struct Refused {
+    std::uint64_t run_id = 0;
+    std::string text;  ///< of its event
+  };
+
+  /// Keeps an event, also of a run whose configuration is not known yet: both last, and either may come
+  /// first.
+  void keep_event(std::uint64_t run_id, const telemetry::Sample& message);
   /// States once that a run's messages cannot be read.
   void refuse(std::uint64_t run_id, const std::string& sentence, SampleSink& sink);
   /// Refuses a run whose ticks come without a configuration for two seconds.
@@ -83,6 +101,7 @@ class MessageDecoder {
 
   Follow follow_;
   std::vector<Run> runs_;
+  std::deque<EventsOfRun> events_;             ///< one entry per run, in the order of their first events
   std::deque<telemetry::Sample> of_next_run_;  ///< of other runs, since the last sample of the followed one
   std::uint64_t run_id_ = 0;
   std::int64_t run_start_ns_ = 0;
@@ -91,7 +110,8 @@ class MessageDecoder {
   double newest_tick_s_ = 0.0;
   std::uint64_t of_others_ = 0;
   std::uint64_t unconfigured_ticks_ = 0;  ///< of unknown runs, since the last configuration
-  std::uint64_t refused_run_ = 0;         ///< its messages cannot be read
+  std::deque<Refused> refused_runs_;      ///< the newest, each with one event
+  std::string refused_;
 };
 
 }  // namespace stilt::monitor

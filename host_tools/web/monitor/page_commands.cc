@@ -40,6 +40,7 @@ std::expected<PageMessage, std::string> read(const Json& json) {
   message.run = member<std::string>(json, "run", "");
   message.key = member<std::string>(json, "key", "");
   message.new_key = member(json, "new_key", false);
+  if (json.contains("link_time_s")) message.link_time_s = json.at("link_time_s").get<double>();
   if (!json.contains("command")) return message;
   const auto kind = kind_of(json.at("command").get<std::string>());
   if (!kind) return std::unexpected(kind.error());
@@ -54,7 +55,6 @@ std::expected<PageMessage, std::string> read(const Json& json) {
   command.sequence = sequence.get<std::uint32_t>();
   command.token = member<std::string>(json, "token", "");
   command.tokens_of_others = member<std::map<std::string, std::string>>(json, "tokens", {});
-  if (json.contains("link_time_s")) message.link_time_s = json.at("link_time_s").get<double>();
   command.value = member(json, "value", 0.0);
   command.tunable = member<std::string>(json, "tunable", "");
   if (!std::isfinite(command.value)) return std::unexpected(std::string("the value is not a number"));

@@ -11,6 +11,8 @@
 // clang-format off
 /// Messages of the page:
 ///   {"alive": true}   several times per second
+///   {"alive": true, "link_time_s": 71.3}   with `time_s` of the newest `link` message that the page has. When that
+///                     is older than kCatchUp_s the page gets no tables, older than kOldestLink_s no heartbeat.
 ///   {"command": "walk", "sequence": 3, "value": 0.5, "tunable": "", "token": "", "tokens": {}}
 ///                     only the first two members are required; `tokens` are those of other runs, for stop
 ///   {..., "link_time_s": 71.3}   of a command: `time_s` of the newest `link` message that the page has. When that
@@ -33,7 +35,7 @@ struct PageMessage {
   std::string key;                    ///< of the monitor; empty: none is given
   bool new_key = false;               ///< whether the monitor's key is replaced
   Command command;                    ///< `commander` is set by the caller
-  std::optional<double> link_time_s;  ///< of the newest link message that the page had when it sent a command
+  std::optional<double> link_time_s;  ///< of the newest link message that the page had when it sent this
 };
 
 /// Parses a message; the error is one sentence.

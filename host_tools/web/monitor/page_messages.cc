@@ -187,6 +187,7 @@ SharedMessage link_message(const LinkStatus& status) {
   }
   return text({{"type", "link"},
                {"time_s", status.time_s},
+               {"behind_s", status.behind_s},
                {"received", status.received},
                {"silent_s", status.silent_s},
                {"ticks", status.ticks},
@@ -196,6 +197,7 @@ SharedMessage link_message(const LinkStatus& status) {
                {"runs", status.runs},
                {"not_sent", status.not_sent},
                {"talking", talking},
+               {"refused", status.refused},
                {"playback", playback}});
 }
 

@@ -43,16 +43,18 @@ struct Access {
 
 /// State of the connection to the source.
 struct LinkStatus {
-  double time_s = 0.0;              ///< of the monitor's clock, when it is sent; a command returns the newest
-  bool received = false;            ///< whether any message has been received
-  double silent_s = 0.0;            ///< since the newest tick was received
-  std::uint64_t ticks = 0;          ///< received
-  std::string emergency_stop;       ///< of the newest tick, hal::name(EmergencyStopState)
-  std::uint64_t missing = 0;        ///< gaps in the numbers of ticks
-  std::uint64_t runs = 0;           ///< received so far
-  std::uint64_t of_others = 0;      ///< samples ignored because another controller is publishing too
-  std::uint64_t not_sent = 0;       ///< messages not sent to this page because it is too slow
-  std::vector<SendingRun> talking;  ///< controllers that send now
+  double time_s = 0.0;          ///< of the monitor's clock, when it is sent; pages return the newest
+  double behind_s = 0.0;        ///< age of the one in the newest sign of life of this page, when that came
+  bool received = false;        ///< whether any message has been received
+  double silent_s = 0.0;        ///< since the newest tick was received
+  std::uint64_t ticks = 0;      ///< received
+  std::string emergency_stop;   ///< of the newest tick, hal::name(EmergencyStopState)
+  std::uint64_t missing = 0;    ///< gaps in the numbers of ticks
+  std::uint64_t runs = 0;       ///< received so far
+  std::uint64_t of_others = 0;  ///< samples ignored because another controller is publishing too
+  std::uint64_t not_sent = 0;   ///< messages not sent to this page because it is too slow
+  std::vector<SendingRun> talking;   ///< controllers that send now
+  std::string refused;               ///< SampleSource::refused
   std::optional<Playback> playback;  ///< of a record
 };
 [[nodiscard]] SharedMessage link_message(const LinkStatus& status);

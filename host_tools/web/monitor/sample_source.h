@@ -95,6 +95,10 @@ class SampleSource {
   /// Samples ignored so far because they are of another controller that is also publishing.
   [[nodiscard]] virtual std::uint64_t of_others() const { return 0; }
 
+  /// Why the messages of a controller cannot be shown, one sentence without its end; empty: there is none
+  /// such.
+  [[nodiscard]] virtual std::string refused() const { return {}; }
+
   /// Whether an empty token is accepted, because the source has the run's.
   [[nodiscard]] virtual bool has_token() const { return false; }
 

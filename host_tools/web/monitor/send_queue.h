@@ -17,6 +17,8 @@ namespace stilt::monitor {
 class SendQueue final : public Peer {
  public:
   /// Waiting bytes above which droppable messages are left out, and above which the connection is given up.
+  /// For programs that do not return how old their data are; LiveView leaves out those of a page that is
+  /// behind.
   static constexpr std::size_t kCongested_bytes = 1U << 22U;
   static constexpr std::size_t kHopeless_bytes = 1U << 24U;
 

@@ -91,12 +91,14 @@ void TerminalView::event(const EventSample& sample) {
 }
 
 std::string TerminalView::link_text() const {
+  const std::string refused = source_.refused();
+  if (!tick_ && !refused.empty()) return "NOTHING CAN BE SHOWN: " + refused;
   if (!tick_) return "waiting for a controller: nothing received yet from " + source_.describe();
   const double silent_s = now_s_ - received_s_;
   if (source_.live() && silent_s > kStale_s) {
     char text[80];
     std::snprintf(text, sizeof text, "STALE DATA: none for %.1f s", silent_s);
-    return text;
+    return refused.empty() ? text : std::string(text) + "; " + refused;
   }
   std::string text = source_.live() ? "live" : "record";
   const std::uint64_t lost = missing_ + (timing_ ? timing_->dropped : 0);

@@ -137,9 +137,12 @@ function uplotSeries(line, show, colours, width) {
   };
 }
 
-/** ± the torque limit of the left joint `first` and its right one, whichever is less; none when it is not known. */
+/**
+ * ± the torque limit of the left joint `first` and its right one, whichever is less; none when it is not known. So it is
+ * for each of `data.torqueShares`, the shares of the limit that hold; all of it without them.
+ */
 function torqueLimits(data, first) {
   const limits = data.geometry?.torque_limit_Nm ?? [];
   const limit = Math.min(...[limits[first], limits[first + 2]].filter((one) => one > 0));
-  return Number.isFinite(limit) ? [-limit, limit] : [];
+  return Number.isFinite(limit) ? (data.torqueShares ?? [1]).flatMap((share) => [-share * limit, share * limit]) : [];
 }

@@ -318,7 +318,7 @@ class CommandPanel {
   beat() {
     const source = `setInterval(() => postMessage(0), ${kAlivePeriod_ms});`;
     const worker = new Worker(URL.createObjectURL(new Blob([source], { type: 'text/javascript' })));
-    worker.onmessage = () => this.connection.send({ alive: true });
+    worker.onmessage = () => this.connection.send({ alive: true, link_time_s: this.linkTime_s });
     this.worker = worker;
   }
 }

@@ -54,6 +54,7 @@ class Monitor {
         const before = this.robot.configuration?.run_id;
         this.robot.configure(message);
         const another = before !== undefined && before !== message.run_id;
+        if (another) document.getElementById('event-list').replaceChildren();
         this.status.configure(message, another, now_s);
         this.tunables.configure(message.tunables);
         this.commands.configure(message);
@@ -123,7 +124,7 @@ class Monitor {
   }
 
   writeNumbers(time_s, state) {
-    const speed = state ? this.robot.speedAt(time_s) : null;
+    const speed = state && this.status.fresh ? this.robot.speedAt(time_s) : null;
     const box = document.getElementById('speed-now');
     box.textContent = speed === null ? '–' : signed(speed, 2);
     box.dataset.value = speed ?? '';

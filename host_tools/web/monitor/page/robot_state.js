@@ -8,6 +8,13 @@ const kFootprintsKept = kKept_s * 4;
 const kFeetColumns = ['left_foot_z_m', 'right_foot_z_m'];
 const kAddedColumns = [...kFeetColumns, 'commanded_height_m'];
 
+/** Shares of the robot's torque limits: what anything may ask for, and what plans and torque law may, where that is less. */
+function torqueShares(toml) {
+  const value = (key) => Number(toml.match(new RegExp(`^${key} = ([\\d.e+-]+)`, 'm'))?.[1] ?? 1);
+  const share = value('torque_limit_share');
+  return [...new Set([share, Math.min(share, value('torque_limit_scale'))])];
+}
+
 class RobotState extends RobotData {
   constructor() {
     super('estimated_state', 1);
@@ -67,6 +74,7 @@ class RobotState extends RobotData {
     }
     this.configuration = configuration;
     this.geometry = configuration.drawing;
+    this.torqueShares = torqueShares(configuration.toml);
     this.friction_coefficient = Number(configuration.toml.match(/^friction_coefficient = ([\d.e+-]+)/m)?.[1]);
   }
 

@@ -30,6 +30,7 @@ class StatusPanel {
     this.link = null;
     this.reported_s = 0;
     this.connected = false;
+    this.fresh = false;
     this.runChanged_s = -Infinity;
     this.lastFaults = null;
     this.runsWritten = null;
@@ -48,6 +49,17 @@ class StatusPanel {
       if (button) row.cells[1].replaceChildren(button);
     }
     document.getElementById('fault-table').replaceChildren(table);
+    this.forgetState();
+  }
+
+  /** Another monitor, or another time of a record: nothing is known of the robot. */
+  forgetState() {
+    const pill = document.getElementById('state');
+    pill.textContent = '–';
+    delete pill.dataset.state;
+    document.getElementById('state-text').textContent = '';
+    document.getElementById('fault-list').replaceChildren();
+    document.body.classList.remove('faulty');
     this.lastFaults = null;
   }
 
@@ -107,9 +119,11 @@ class StatusPanel {
 
   /** Says how old the picture is; called several times per second, also when no message comes. */
   update(now_s) {
-    const { alarm, level, words } = this.connectionAt(now_s);
+    const { alarm, level, words, serious = true } = this.connectionAt(now_s);
+    this.fresh = level === 'live';
     const box = document.getElementById('alarm');
     box.hidden = alarm === null;
+    box.classList.toggle('serious', serious);
     if (alarm !== null && box.textContent !== alarm) box.textContent = alarm;
     document.body.classList.toggle('stale', level === 'stale');
     document.body.classList.toggle('waiting', level === 'waiting');
@@ -127,7 +141,7 @@ class StatusPanel {
   }
 
   writeEmergencyStop() {
-    const name = this.link?.emergency_stop;
+    const name = this.fresh ? this.link.emergency_stop : 'not known';
     const box = document.getElementById('emergency-stop');
     box.textContent = name ? `emergency stop ${name}` : '';
     box.classList.toggle('bad', name === 'pressed' || name === 'silent');
@@ -153,7 +167,7 @@ class StatusPanel {
     }), ...others);
   }
 
-  /** How old the picture is: its level, the alarm or null, and the words at the top. */
+  /** How old the picture is: its level, the alarm or null, whether that is serious, and the words at the top. */
   connectionAt(now_s) {
     const { link, robot: { hello } } = this;
     if (!this.connected) {
@@ -165,11 +179,17 @@ class StatusPanel {
         alarm: `Nothing from the monitor for ${unreported_s.toFixed(1)} s: the data are stale. stilt monitor hangs, or the network is gone.` };
     }
     if (!link?.received) {
-      return { level: 'waiting', words: 'waiting', alarm: `Waiting for a controller: nothing received yet from ${hello?.source ?? 'the source'}.` };
+      if (link?.refused) return { level: 'waiting', words: 'not readable', alarm: `Nothing can be shown: ${link.refused}.` };
+      return { level: 'waiting', words: 'waiting', serious: false, alarm: `Waiting for a controller: nothing received yet from ${hello?.source ?? 'the source'}.` };
+    }
+    if (hello.live && link.behind_s > kStale_s) {
+      return { level: 'stale', words: `${link.behind_s.toFixed(1)} s behind`,
+        alarm: `This page is ${link.behind_s.toFixed(1)} s behind the monitor: the data are stale. The network or this computer is too slow.` };
     }
     if (hello.live && link.silent_s > kStale_s) {
       return { level: 'stale', words: `silent ${link.silent_s.toFixed(0)} s`,
-        alarm: `No data for ${link.silent_s.toFixed(1)} s: the data are stale. stiltd has ended, or the network is gone.` };
+        alarm: `No data for ${link.silent_s.toFixed(1)} s: the data are stale. ` +
+          (link.refused ? `Nothing newer can be shown: ${link.refused}.` : 'stiltd has ended, or the network is gone.') };
     }
     return { level: 'live', words: hello.live ? 'live' : 'record', alarm: null };
   }

@@ -86,6 +86,19 @@ TEST(LiveView, OnlyThePageInCommandShowsAnotherRun) {
   EXPECT_EQ(source.chosen, "3");
 }
 
+TEST(LiveView, ThePageIsSentWhyAControllerCannotBeShown) {
+  SilentSource source;
+  LiveView view(source, kKey);
+  const auto page = std::make_shared<FakePeer>();
+  view.opened(page);
+  view.step(0.0);
+  EXPECT_EQ(page->of_type("link").back()["refused"], "");
+  source.unreadable = "run 7 has other messages";
+  view.step(0.2);
+  EXPECT_EQ(page->of_type("link").back()["refused"], "run 7 has other messages");
+  EXPECT_EQ(page->of_type("link").back()["received"], false);
+}
+
 TEST(LiveView, AGapInTheTicksIsCounted) {
   SyntheticSource source;
   LiveView view(source, kKey);
@@ -155,6 +168,7 @@ TEST(LiveView, AnotherRunLeavesNothingOfTheOneBefore) {
   EXPECT_EQ(page->of_type("configuration").at(0)["run_id"], "synthetic-2");
   for (const SharedMessage& message : page->messages) EXPECT_FALSE(message->binary);
   EXPECT_TRUE(page->of_type("supervisor").empty());
+  EXPECT_TRUE(page->of_type("event").empty());
 }
 
 TEST(LiveView, ARecordTakesNoCommands) {

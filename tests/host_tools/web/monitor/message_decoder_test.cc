@@ -4,10 +4,11 @@
 
 #include <array>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/wire_version.h"
-#include "host_tools/web/monitor/message_samples.h"
 
 namespace stilt::monitor {
 namespace {
@@ -81,6 +82,15 @@ telemetry::Sample tuning(std::uint64_t run_id, std::optional<double> value) {
   if (value) message.values._buffer = &*value;
   message.values._length = message.values._maximum = value ? 1 : 0;
   return on(telemetry::kTuning, message);
+}
+
+telemetry::Sample event(std::uint64_t run_id, std::string text) {
+  char name[] = "";
+  telemetry::Event message{};
+  message.run_id = run_id;
+  message.name = name;
+  message.text = text.data();
+  return on(telemetry::kEvents, message);
 }
 
 TEST(MessageDecoder, TicksCountTheirTimeFromTheControllersStart) {
@@ -191,6 +201,59 @@ TEST(MessageDecoder, ARunThatIsChosenIsFollowedWithTheTunablesItHasNow) {
   EXPECT_EQ(decoder.of_others(), 2u) << "of run 2 its tuning, of run 1 a tick";
 }
 
+std::vector<std::string> texts_of(const Kept& kept) {
+  std::vector<std::string> texts;
+  for (const EventSample& event : kept.events) texts.push_back(event.text);
+  return texts;
+}
+
+TEST(MessageDecoder, ARunThatIsChosenHasTheEventsOfItsPastAndOfNoOtherRun) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  decoder.take(event(2, "ready"), kept);
+  decoder.take(one_tick(1, 0), kept);
+  decoder.take(configuration(2, 200), kept);
+  decoder.take(event(2, "walk"), kept);
+  decoder.take(event(1, "stand"), kept);
+  decoder.take(one_tick(1, 1), kept);
+  EXPECT_EQ(texts_of(kept), std::vector<std::string>{"stand"});
+  EXPECT_EQ(decoder.of_others(), 0u) << "they are kept";
+  kept.events.clear();
+  decoder.choose(2, kept);
+  decoder.take(event(2, "sit"), kept);
+  EXPECT_EQ(texts_of(kept), (std::vector<std::string>{"ready", "walk", "sit"}));
+  kept.events.clear();
+  decoder.choose(1, kept);
+  EXPECT_EQ(texts_of(kept), std::vector<std::string>{"stand"}) << "the first run again";
+}
+
+TEST(MessageDecoder, EventsOfTheFirstRunThatComeBeforeItsConfigurationAreKept) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(event(1, "ready"), kept);
+  EXPECT_TRUE(kept.events.empty());
+  decoder.take(configuration(1, 100), kept);
+  EXPECT_EQ(texts_of(kept), std::vector<std::string>{"ready"});
+}
+
+TEST(MessageDecoder, OfARunTheNewestEventsAreKeptAndOfManyRunsThoseOfTheOneThatIsFollowed) {
+  MessageDecoder decoder;
+  Kept kept;
+  decoder.take(configuration(1, 100), kept);
+  decoder.take(event(1, "stand"), kept);
+  for (std::uint64_t run = 100; run < 200; ++run) decoder.take(event(run, "other"), kept);
+  decoder.take(configuration(2, 200), kept);
+  for (int number = 0; number < 1000; ++number) decoder.take(event(2, std::to_string(number)), kept);
+  kept.events.clear();
+  decoder.choose(2, kept);
+  EXPECT_EQ(kept.events.size(), 256u);
+  EXPECT_EQ(kept.events.back().text, "999");
+  kept.events.clear();
+  decoder.choose(1, kept);
+  EXPECT_EQ(texts_of(kept), std::vector<std::string>{"stand"});
+}
+
 TEST(MessageDecoder, RunsThatEndedLongAgoAreForgottenAndTheOneThatIsFollowedIsNot) {
   MessageDecoder decoder;
   Kept kept;
@@ -220,11 +283,25 @@ TEST(MessageDecoder, ARunOfAnotherWireVersionIsNotFollowedAndOneEventStatesIt) {
   EXPECT_TRUE(kept.configurations.empty());
   EXPECT_TRUE(kept.ticks.empty());
   ASSERT_EQ(kept.events.size(), 1u);
+  EXPECT_EQ(decoder.refused(), kept.events[0].text);
   EXPECT_TRUE(kept.events[0].serious);
   EXPECT_EQ(
       kept.events[0].text,
       "run 00000000000000ab has messages of wire version 4, but this stilt reads wire version 3; use the "
       "stilt of the same release as stiltd");
+}
+
+TEST(MessageDecoder, OfTwoRunsThatCannotBeReadEachHasOneEventHoweverTheyAlternate) {
+  MessageDecoder decoder;
+  Kept kept;
+  for (std::uint64_t tick = 0; tick < 5000; ++tick) {
+    decoder.take(one_tick(0xa, tick), kept);
+    decoder.take(one_tick(0xb, tick), kept);
+  }
+  EXPECT_EQ(kept.events.size(), 2u);
+  EXPECT_TRUE(decoder.refused().starts_with("run 000000000000000b sends ticks")) << decoder.refused();
+  decoder.take(configuration(1, 100), kept);
+  EXPECT_EQ(decoder.refused(), "");
 }
 
 TEST(MessageDecoder, TwoSecondsOfTicksWithoutAConfigurationGiveOneEvent) {
@@ -308,63 +385,6 @@ TEST(MessageDecoder, ANumberThatIsNoEnumeratorIsRefusedWithItsMessage) {
   builder.message().run_id = 1;
   decoder.take(on(telemetry::kTicks, builder.message()), kept);
   EXPECT_TRUE(kept.ticks.empty());
-}
-
-TEST(MessageSamples, APlanWhoseSequencesContradictEachOtherHasNoNodes) {
-  std::array<float, 3> times{0.0f, 0.1f, 0.2f}, base{0.0f, 0.8f, 0.0f};
-  telemetry::Plan message{};
-  message.time_s._buffer = times.data();
-  message.time_s._length = 3;
-  message.base._buffer = base.data();
-  message.base._length = 3;
-  EXPECT_TRUE(plan_sample(message).nodes.empty());
-}
-
-TEST(MessageSamples, ANodeOfAPlanHasItsTimeBaseFeetForcesAndStanceFeet) {
-  std::array<float, 2> times{0.0f, 0.25f};
-  std::array<std::uint8_t, 2> contact{1, 2};
-  std::array<float, 6> base{0.0f, 0.75f, 0.5f, 1.0f, 0.875f, -0.5f};
-  std::array<float, 8> feet{1, 2, 3, 4, 5, 6, 7, 8}, forces{10, 20, 30, 40, 50, 60, 70, 80};
-  const auto set_view = [](auto& sequence, auto& numbers) {
-    sequence._buffer = numbers.data();
-    sequence._length = static_cast<std::uint32_t>(numbers.size());
-  };
-  telemetry::Plan message{};
-  message.start_time_s = 2.0;
-  set_view(message.time_s, times);
-  set_view(message.contact, contact);
-  set_view(message.base, base);
-  set_view(message.foot_position_m, feet);
-  set_view(message.contact_force_N, forces);
-  const std::vector<PlanNodeSample> nodes = plan_sample(message).nodes;
-  ASSERT_EQ(nodes.size(), 2u);
-  EXPECT_TRUE(nodes[0].left_stance && !nodes[0].right_stance);
-  EXPECT_TRUE(!nodes[1].left_stance && nodes[1].right_stance);
-  EXPECT_EQ(nodes[1].time_s, 2.25);
-  EXPECT_EQ(nodes[1].base_x_m, 1.0);
-  EXPECT_EQ(nodes[1].base_z_m, 0.875);
-  EXPECT_EQ(nodes[1].pitch_rad, -0.5);
-  EXPECT_EQ(nodes[1].foot_position_m[3], 8.0);
-  EXPECT_EQ(nodes[1].contact_force_N[0], 50.0);
-}
-
-TEST(MessageSamples, EmptyBinsOfAHistogramAreLeftOutAndEdgesStayTheirs) {
-  std::array<float, 3> edges{64.0f, 72.0f, 80.0f};
-  std::array<std::uint64_t, 3> counts{5, 0, 7};
-  char name[] = "wakeup_latency";
-  stilt_msgs_msg_dds__Histogram_ histogram{};
-  histogram.name = name;
-  histogram.lower_edge_us._buffer = edges.data();
-  histogram.lower_edge_us._length = 3;
-  histogram.bin._buffer = counts.data();
-  histogram.bin._length = 3;
-  telemetry::Timing message{};
-  message.histograms._buffer = &histogram;
-  message.histograms._length = 1;
-  const TimingSample sample = timing_sample(message);
-  ASSERT_EQ(sample.histograms.size(), 1u);
-  EXPECT_EQ(sample.histograms[0].upper_edge_us, (std::vector<double>{72.0, 90.0}));
-  EXPECT_EQ(sample.histograms[0].in_bin, (std::vector<std::uint64_t>{5, 7}));
 }
 
 }  // namespace

@@ -143,9 +143,9 @@ for (const source of ['robot', 'record']) {
     } finally {
       monitor.process.kill('SIGCONT');
     }
-    await until('no alarm', async () => page.isHidden('#alarm'));
-    assert.equal(await text('#stage-cover'), '');
-    assert.match(await text('#link-status'), shown);
+    // Signs of life that waited may call the page stale once more.
+    await until('its return', async () => (await page.isHidden('#alarm')) && (await text('#stage-cover')) === '' &&
+      shown.test(await text('#link-status')));
   });
 }
 
@@ -271,12 +271,13 @@ test('dropped ticks are counted', async () => {
   await until('the count', async () => /live · 40 lost/.test(await text('#link-status')));
 });
 
-test('another run is shown, and its plots begin anew', async () => {
+test('another run is shown, and its plots and events begin anew', async () => {
+  const walked = async () => /state: walk/.test(await text('#event-list'));
   await press('w');
-  await state('walk');
+  await until('the event', walked);
   monitor.write('run');
-  await until('the note', async () => /Another run/.test(await text('#note')));
-  await until('its name', async () => /synthetic-2/.test(await text('#run-list')));
+  await until('the note and its name', async () => /Another run/.test(await text('#note')) && /synthetic-2/.test(await text('#run-list')));
+  assert.ok(!(await walked()));
 });
 
 test('a second controller that publishes at once is shown', async () => {

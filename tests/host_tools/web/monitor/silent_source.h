@@ -31,6 +31,7 @@ class SilentSource final : public SampleSource {
   [[nodiscard]] std::string describe() const override { return "nothing"; }
   [[nodiscard]] bool live() const override { return true; }
   [[nodiscard]] bool has_token() const override { return true; }
+  [[nodiscard]] std::string refused() const override { return unreadable; }
 
   [[nodiscard]] int heartbeats() const {
     return static_cast<int>(std::count_if(commands.begin(), commands.end(), [](const Command& command) {
@@ -41,6 +42,7 @@ class SilentSource final : public SampleSource {
   std::vector<Command> commands;
   std::vector<std::uint64_t> forgotten;
   std::string chosen;
+  std::string unreadable;  ///< what refused() gives
   bool answers = false;
   std::string refusal;                    ///< of all commands; empty: accepted
   std::function<void(SampleSink&)> news;  ///< given once

@@ -6,6 +6,7 @@
 #include <regex>
 
 #include "firmware/supervisor/fault.h"
+#include "silent_source.h"
 #include "synthetic_source.h"
 
 namespace stilt::monitor {
@@ -111,6 +112,19 @@ TEST(TerminalView, StaleDataAreCalledStale) {
   source.change("silent");
   view.step(4.2);
   EXPECT_TRUE(holds(view.text(100, 40), "STALE DATA: none for 3.0 s")) << view.text(100, 40);
+}
+
+TEST(TerminalView, AControllerThatCannotBeReadIsNamedInsteadOfNothingReceived) {
+  SilentSource source;
+  TerminalView view(source);
+  source.unreadable = "run 7 has other messages";
+  view.step(0.0);
+  EXPECT_TRUE(holds(view.text(200, 40), "NOTHING CAN BE SHOWN: run 7 has other messages"));
+  source.news = [](SampleSink& sink) { sink.tick({}); };
+  view.step(1.0);
+  EXPECT_FALSE(holds(view.text(200, 40), "run 7")) << "another one is live";
+  view.step(3.0);
+  EXPECT_TRUE(holds(view.text(200, 40), "STALE DATA: none for 2.0 s; run 7 has other messages"));
 }
 
 TEST(TerminalView, NoLineIsLongerThanTheTerminal) {
