@@ -318,7 +318,7 @@ int run_gait(const CLI::App& gait, GaitOptions options) {
   }
   OutputFiles outputs = outputs_of(options);
   if (gait.got_subcommand("library")) outputs.front().path.clear();  // names a folder
-  check_output_files(outputs, files_read(options.robot, options.file));
+  check_output_files(outputs, files_read(CommandInputs{options.robot, "", "", options.file}));
   try {
     if (gait.got_subcommand("synthesize")) return synthesize(options);
     if (gait.got_subcommand("check")) return check(options);
