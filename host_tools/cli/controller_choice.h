@@ -63,8 +63,8 @@ struct CommandInputs {
   std::string gait_file;
 };
 
-/// The files of all that: with the TOML beside a URDF, those of the robot that a gait file names, and the
-/// gait files of a folder. The command does not write to them.
+/// The files of all that. The TOML beside a URDF, the robot of a gait file and the gaits of a folder are
+/// among them. The command does not write to them.
 [[nodiscard]] std::vector<std::string> files_read(const CommandInputs& inputs);
 
 /// The same of the options that choose robot and controller.
