@@ -193,9 +193,18 @@ TEST_F(CommandOutput, ARecordOfNothingIsNotInTheWayOfTheNext) {
   }
 }
 
-TEST_F(CommandOutput, ARecordHasTheProblemNull) {
-  EXPECT_EQ(run(record_in_own_domain() + "--out /dev/null --json " + file("run.json")).status, 1);
-  EXPECT_TRUE(nlohmann::json::parse(text_of(file("run.json"))).at("problem").is_null());
+TEST_F(CommandOutput, ARecordOfNothingSaysSoInTheJsonAndOnStandardError) {
+  for (const char* json_file : {"-", "@run.json"}) {
+    const Outcome outcome = run_here(record_in_own_domain() + "--out @walk.mcap --json " + json_file);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE(outcome.errors.find("walk.mcap: nothing was received on domain "), std::string::npos)
+        << outcome.errors;
+    const bool printed = std::string(json_file) == "-";
+    const auto json = nlohmann::json::parse(printed ? outcome.output : text_of(file("run.json")));
+    EXPECT_TRUE(json.at("problem").get<std::string>().starts_with("nothing was received on domain "));
+    EXPECT_EQ(json.at("bytes"), 0) << "the file is removed";
+    EXPECT_EQ(json.at("complete"), false);
+  }
 }
 
 TEST_F(CommandOutput, ADurationOfARecordIsAboveZero) {
