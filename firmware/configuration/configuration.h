@@ -67,6 +67,9 @@ void keep_torque_limit(Configuration& configuration);
 /// The TOML of the same stem beside a URDF file.
 [[nodiscard]] std::string file_beside(std::string_view urdf);
 
+/// The files that a robot may be read from: a URDF file and file_beside() it. None for a shipped robot.
+[[nodiscard]] std::vector<std::string> files_of_robot(std::string_view robot);
+
 /// hardware.robot as a configuration file must name it. A relative URDF of a run is found from the working
 /// directory. In the folder of the file it becomes its name alone, otherwise the whole path.
 [[nodiscard]] std::string robot_in_file(std::string_view file, std::string_view robot);

@@ -19,6 +19,22 @@ std::size_t end_of_section(std::string_view text, const toml::table& section) {
 
 void add_line(std::string& text, std::size_t at, const std::string& line) { text.insert(at, '\n' + line); }
 
+/// Before the brace that ends an inline table.
+void add_inline(std::string& text, const toml::table& section, const std::string& pair) {
+  const std::size_t brace = text.rfind('}', offset_of(text, section.source().end) - 1);
+  const std::size_t end = text.find_last_not_of(" \t", brace - 1) + 1;
+  if (section.empty()) {
+    text.replace(end, brace - end, ' ' + pair + ' ');
+  } else {
+    text.insert(end, ", " + pair);
+  }
+}
+
+/// A section without head is written with dots, line by line.
+bool has_head(std::string_view text, const toml::table& section) {
+  return text[offset_of(text, section.source().begin)] == '[';
+}
+
 void put(std::string& text, const toml::table& root, const NewValue& value) {
   const std::string line = value.key + " = " + value.value;
   const toml::node* section = root.get(value.section);
@@ -33,7 +49,8 @@ void put(std::string& text, const toml::table& root, const NewValue& value) {
     text.replace(from, offset_of(text, old->source().end) - from, value.value);
     return;
   }
-  add_line(text, end_of_section(text, keys), line);
+  if (keys.is_inline()) return add_inline(text, keys, line);
+  add_line(text, end_of_section(text, keys), has_head(text, keys) ? line : value.section + '.' + line);
 }
 
 }  // namespace

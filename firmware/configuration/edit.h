@@ -18,7 +18,8 @@ struct NewValue {
 };
 
 /// The text with these values. A key that is there gets its value in place. Another is added at the end of
-/// its section, and a new section at the end of the text. Comments, order and all else stay. Fails for text
+/// its section, with dots or in braces where the section is written so. A new section is added at the end of
+/// the text. Comments, order and all else stay. Fails for text
 /// that is not TOML. Values are not checked. Allocates; not for real time.
 /// @param file  names the text in errors
 [[nodiscard]] std::expected<std::string, Diagnostic> with_values(std::string_view toml, std::string_view file,

@@ -297,6 +297,11 @@ std::string file_beside(std::string_view urdf) {
   return std::filesystem::path(urdf).replace_extension(".toml").string();
 }
 
+std::vector<std::string> files_of_robot(std::string_view robot) {
+  if (!robots::is_file(robot)) return {};
+  return {std::string(robot), file_beside(robot)};
+}
+
 std::string robot_in_file(std::string_view file, std::string_view robot) {
   const std::filesystem::path urdf(robot), here = std::filesystem::current_path();
   if (!robots::is_file(robot) || urdf.is_absolute()) return urdf.string();

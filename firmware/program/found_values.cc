@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <initializer_list>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
 #include "firmware/configuration/schema.h"
+#include "firmware/control_loop/joint_names.h"
 #include "firmware/diagnostics/input_file.h"
 #include "firmware/diagnostics/output_file.h"
 #include "firmware/robots/robots.h"
@@ -104,37 +106,83 @@ std::expected<void, std::string> check_wiring(const Options& options,
   return {};
 }
 
-}  // namespace
-
-std::expected<void, std::string> check_out_file(const Options& options) {
-  const std::string& file = options.out_file;
-  if (!is_there(file)) return {};
-  const Text before = content(file);
-  if (!before) return std::unexpected(before.error());
-  const auto text = configuration::with_values(*before, file, command_line_values(options));
-  const auto there = configuration::parse(text ? *text : *before, file, robot_of_file(options));
-  if (!there) {
-    return std::unexpected("--out: what was found could not be written to this configuration:\n" +
-                           configuration::to_string(there.error()));
-  }
-  return check_wiring(options, *there);
-}
-
-std::expected<void, std::string> write_values(const Options& options,
-                                              std::span<const configuration::NewValue> values) {
+/// The text of options.out_file with values and with what the command line has set. The error is for the
+/// user.
+Text text_with(const Options& options, std::span<const configuration::NewValue> values) {
   const std::string& file = options.out_file;
   std::vector<configuration::NewValue> all = command_line_values(options);
   all.insert(all.end(), values.begin(), values.end());
   const bool changes = is_there(file);
   if (!changes) all.push_back({"hardware", "robot", robot_text(options)});
   const Text before = changes ? content(file) : text_read(options);
-  if (!before) return std::unexpected(before.error());
-  const auto text = configuration::with_values(*before, file, all);
+  if (!before) return before;
+  auto text = configuration::with_values(*before, file, all);
   if (!text) return std::unexpected("--out " + configuration::to_string(text.error()));
-  if (const auto valid = configuration::parse(*text, file); !valid) {
-    return std::unexpected("--out: what was found makes no valid configuration, and nothing is written:\n" +
+  if (const auto valid = configuration::parse(*text, file, robot_of_file(options)); !valid) {
+    return std::unexpected("--out: what is found makes no valid configuration, and nothing is written:\n" +
                            configuration::to_string(valid.error()));
   }
+  return *std::move(text);
+}
+
+/// The keys that a command may find, with the values of a configuration.
+std::vector<configuration::NewValue> values_to_find(Task task,
+                                                    const configuration::Configuration& configuration) {
+  std::vector<configuration::NewValue> values;
+  const auto add = [&](std::string_view section, std::initializer_list<std::string_view> keys) {
+    for (const std::string_view key : keys) {
+      const configuration::Entry* entry = configuration::find_entry(section, key);
+      if (entry == nullptr) continue;
+      values.push_back(
+          {std::string(section), std::string(key), configuration::value_text(*entry, configuration)});
+    }
+  };
+  for (const char* joint : control_loop::kJointNames) {
+    if (task == Task::calibrate) add(joint, {"reversed", "offset_rad"});
+    if (task == Task::identify) add(joint, {"torque_factor"});
+  }
+  if (task == Task::calibrate) {
+    add("torso_sensor",
+        {"encoder_reversed", "encoder_offset_rad", "imu_reversed", "imu_offset_rad", "pitch", "pitch_rate"});
+  }
+  if (task == Task::identify) {
+    add("robot", {"hip_coulomb_friction_Nm", "knee_coulomb_friction_Nm", "hip_damping_Nms_rad",
+                  "knee_damping_Nms_rad", "armature_scale"});
+  }
+  return values;
+}
+
+/// Whether what the command finds can be written, before a person moves joints for it.
+std::expected<void, std::string> check_keys(const Options& options,
+                                            const configuration::Configuration& there) {
+  const Text text = text_with(options, values_to_find(options.task, there));
+  if (!text) return std::unexpected(text.error());
+  return {};
+}
+
+}  // namespace
+
+std::expected<void, std::string> check_out_file(const Options& options) {
+  const std::string& file = options.out_file;
+  if (file.empty()) return {};
+  if (!is_there(file)) return check_keys(options, options.configuration);
+  const Text before = content(file);
+  if (!before) return std::unexpected(before.error());
+  const auto text = configuration::with_values(*before, file, command_line_values(options));
+  const auto there = configuration::parse(text ? *text : *before, file, robot_of_file(options));
+  if (!there) {
+    return std::unexpected("--out: what is found cannot be written to this configuration:\n" +
+                           configuration::to_string(there.error()));
+  }
+  if (const auto right = check_wiring(options, *there); !right) return right;
+  return check_keys(options, *there);
+}
+
+std::expected<void, std::string> write_values(const Options& options,
+                                              std::span<const configuration::NewValue> values) {
+  const std::string& file = options.out_file;
+  const Text text = text_with(options, values);
+  if (!text) return std::unexpected(text.error());
   const auto written = diagnostics::write_file(file, *text);
   if (!written) return std::unexpected("--out " + file + ": cannot be written (" + written.error() + ")");
   return {};

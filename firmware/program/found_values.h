@@ -10,8 +10,8 @@
 namespace stilt::program {
 
 /// Looks before the run whether options.out_file, where it is there, is a configuration that values can go
-/// to, with the wiring of the run. That is drivers, buses, identifiers and torso sensor. The error is for the
-/// user.
+/// to, with the wiring of the run. That is drivers, buses, identifiers and torso sensor. A trial writes every
+/// key that the command may find, to a text alone. The error is for the user.
 [[nodiscard]] std::expected<void, std::string> check_out_file(const Options& options);
 
 /// Writes values that a command has found to options.out_file. A file that is there is changed in place, with

@@ -9,11 +9,15 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <optional>
 #include <span>
 #include <string_view>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "firmware/commissioning/jog.h"
 #include "firmware/control_loop/joint_names.h"
@@ -282,6 +286,15 @@ std::expected<void, std::string> interpret(const CLI::App& app, const Arguments&
   return check_start(options);
 }
 
+/// Whether a file is there whose first character begins no JSON object. Devices and empty files hold nothing.
+bool holds_other_than_json(const std::string& file) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;
+  std::ifstream stream(file);
+  const int first = stream.get();
+  return !stream.is_open() || (first != std::ifstream::traits_type::eof() && first != '{');
+}
+
 }  // namespace
 
 std::expected<gait::GaitCommand, std::string> parse_start(const std::string& text) {
@@ -344,19 +357,23 @@ std::expected<void, std::string> read_options(int argc, char** argv, const std::
     options.task = Task::nothing;
     return {};
   } catch (const CLI::ParseError& error) {
+    options.refused = true;
     options.task = task_of(commands);
     options.json_file = file_of("--json", {argv + 1, argv + argc});
     options.config_file = file_of("--config", {argv + 1, argv + argc});
     return std::unexpected(usage_text(app, error));
   }
-  return interpret(app, arguments, commands, options);
+  const auto right = interpret(app, arguments, commands, options);
+  options.refused = !right;
+  return right;
 }
 
 std::string file_conflict(const Options& options) {
   const auto outputs = std::to_array<diagnostics::NamedFile>(
       {{"--json", options.json_file}, {"--black-box", options.black_box_file}});
-  const auto inputs = std::to_array<std::string>(
-      {options.config_file, options.out_file, options.answers_file, options.configuration.hardware.robot});
+  std::vector<std::string> inputs = configuration::files_of_robot(options.configuration.hardware.robot);
+  inputs.insert(inputs.end(), {options.config_file, options.out_file, options.answers_file});
+  if (options.refused && holds_other_than_json(options.json_file)) inputs.push_back(options.json_file);
   return diagnostics::conflict(outputs, inputs);
 }
 

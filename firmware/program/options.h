@@ -56,6 +56,7 @@ struct Options {
   std::string config_file;                   ///< of --config; empty: none
   std::string out_file;                      ///< configuration to write what was found to; empty: none
   std::vector<std::string> changed_keys;     ///< "section.key" that --preset, --set and --bus have set
+  bool refused = false;                      ///< by read_options(): the robot's files may be unknown
   commissioning::Reference reference = commissioning::Reference::stops;
   double identify_torque_share = 0.3;
 
@@ -72,8 +73,9 @@ struct Options {
 [[nodiscard]] std::expected<void, std::string> read_options(int argc, char** argv, const std::string& version,
                                                             Options& options);
 
-/// Refuses results that would replace each other, the configuration, the robot or the answers. One sentence;
-/// empty where each has its place. `--out` is read before it is changed.
+/// Refuses results that would replace each other, the configuration, the files of the robot or the answers.
+/// One sentence; empty where each has its place. `--out` is read before it is changed. A command line that
+/// was refused may name a robot that is not known yet: its JSON replaces JSON alone.
 [[nodiscard]] std::string file_conflict(const Options& options);
 
 /// GAIT@SPEED, or stand, step: the error says what would be right.

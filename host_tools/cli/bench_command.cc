@@ -70,8 +70,7 @@ int run_bench(const BenchOptions& options) {
   if (options.choice.controller == "hzd-pd") {
     throw UsageError("--controller hzd-pd: it tracks gaits without planning; choose one that plans");
   }
-  check_output_files({{"--json", options.json_file}},
-                     files_read(options.choice.robot, options.choice.config_file));
+  check_output_files({{"--json", options.json_file}}, files_read(options.choice));
   if (options.closed_loop_plans > 0) return run_closed_loop_bench(options);
   const model::RobotModel& robot = robot_model(options.choice.robot);
   configuration::Configuration parameters = controller_configuration(options.choice);

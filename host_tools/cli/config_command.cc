@@ -38,9 +38,10 @@ CLI::App* add_config_command(CLI::App& program, ConfigOptions& options) {
   migrate->add_option("FILE", options.file, "configuration file, rewritten in place")->required();
   migrate->add_option("--out", options.out, "file to write instead; - is standard output");
   migrate->footer(
-      "Comments, order and values stay.\n"
+      "Comments, order and values stay. In another folder a relative URDF of hardware.robot is named by its\n"
+      "path.\n"
       "Exit status: 0 done or nothing to rename, 2 the file cannot be read or written, is not TOML, has a\n"
-      "key under both names, or has a key whose unit has changed.");
+      "key or a section under both names, or has a key whose unit has changed.");
   return config;
 }
 
@@ -48,7 +49,9 @@ int run_config(const ConfigOptions& options) {
   const auto migration = configuration::migrate(read(options.file), options.file);
   if (!migration) throw UsageError(to_string(migration.error()));
   if (!options.out.empty()) {
-    write(options.out, migration->text);
+    const bool has_folder = options.out != "-";
+    write(options.out,
+          has_folder ? configuration::moved(migration->text, options.file, options.out) : migration->text);
   } else if (!migration->changes.empty()) {
     write(options.file, migration->text);
   }

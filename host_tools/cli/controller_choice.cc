@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
+#include <system_error>
 
+#include "firmware/configuration/gaits/gait_file.h"
 #include "firmware/configuration/gaits/gait_overrides.h"
 #include "firmware/configuration/gaits/shipped_gaits.h"
 #include "firmware/configuration/reach.h"
@@ -167,9 +170,24 @@ const robots::Robot& find_robot(const std::string& name) {
 
 const model::RobotModel& robot_model(const std::string& name) { return find_robot(name).model; }
 
-std::vector<std::string> files_read(const std::string& robot, const std::string& config_file) {
-  if (!robots::is_file(robot)) return {config_file};
-  return {config_file, robot, configuration::file_beside(robot)};
+std::vector<std::string> files_read(const CommandInputs& inputs) {
+  std::vector<std::string> files = configuration::files_of_robot(inputs.robot);
+  files.insert(files.end(), {inputs.config_file, inputs.gait_file});
+  // A mistake in folder or file is reported when the command reads it.
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(inputs.gait_folder, error)) {
+    if (entry.path().extension() == ".toml") files.push_back(entry.path().string());
+  }
+  if (!std::filesystem::is_regular_file(inputs.gait_file, error)) return files;  // a FIFO is read once
+  if (const auto gait = gait_files::load_gait(inputs.gait_file)) {
+    const std::vector<std::string> of_robot = configuration::files_of_robot(gait->robot);
+    files.insert(files.end(), of_robot.begin(), of_robot.end());
+  }
+  return files;
+}
+
+std::vector<std::string> files_read(const ControllerChoice& choice) {
+  return files_read(CommandInputs{choice.robot, choice.config_file, choice.gait_folder, ""});
 }
 
 configuration::Configuration load_configuration(const std::string& robot, const std::string& file,

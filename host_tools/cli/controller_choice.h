@@ -55,8 +55,20 @@ void add_gains_option(CLI::App& command, ControllerChoice& choice);
 [[nodiscard]] const robots::Robot& find_robot(const std::string& name);
 [[nodiscard]] const model::RobotModel& robot_model(const std::string& name);
 
-/// The files that such a robot and its configuration are read from; the command does not write to them.
-[[nodiscard]] std::vector<std::string> files_read(const std::string& robot, const std::string& config_file);
+/// What a command reads, as its command line names it; empty: none.
+struct CommandInputs {
+  std::string robot;  ///< name or URDF file
+  std::string config_file;
+  std::string gait_folder;
+  std::string gait_file;
+};
+
+/// The files of all that. The TOML beside a URDF, the robot of a gait file and the gaits of a folder are
+/// among them. The command does not write to them.
+[[nodiscard]] std::vector<std::string> files_read(const CommandInputs& inputs);
+
+/// The same of the options that choose robot and controller.
+[[nodiscard]] std::vector<std::string> files_read(const ControllerChoice& choice);
 
 /// The configuration of a file, or that shipped for the robot when the name is empty. The preset changes it,
 /// then the overrides. All values are checked.

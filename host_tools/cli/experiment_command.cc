@@ -178,7 +178,7 @@ int run_experiment(const CLI::App& experiment, ExperimentOptions options,
                    const std::vector<std::string>& arguments) {
   check_output_folder(options.folder);
   const ControllerChoice& choice = options.setting.choice;
-  std::vector<std::string> inputs = files_read(choice.robot, choice.config_file);
+  std::vector<std::string> inputs = files_read(choice);
   inputs.push_back(options.rows_file);
   check_output_files({{"--json", options.json_file}}, inputs);
   options.command = published_command(arguments);

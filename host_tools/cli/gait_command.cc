@@ -20,6 +20,7 @@
 #include "host_tools/gait_synthesis/likely_mistake.h"
 #include "host_tools/gait_synthesis/synthesize.h"
 #include "host_tools/simulation/plant/number.h"
+#include "mpc_core/gait/gait_library.h"
 
 namespace stilt::cli {
 namespace {
@@ -197,6 +198,26 @@ int add_gait(const model::RobotModel& robot, const GaitOptions& options, nlohman
   }
 }
 
+/// Gaits from the slowest to the fastest speed.
+int gait_count(const GaitOptions& options, double step_m_s) {
+  return static_cast<int>(std::floor((options.to_m_s - options.from_m_s) / step_m_s + 1e-9)) + 1;
+}
+
+/// A library that holds more could not be loaded.
+void check_count(const GaitOptions& options) {
+  constexpr int kMost = gait::GaitLibrary::kMaxGaits;
+  const int count = gait_count(options, options.step_m_s);
+  if (count <= kMost) return;
+  constexpr double kRounding_m_s = 0.001;
+  double step_m_s = kRounding_m_s * std::ceil((options.to_m_s - options.from_m_s) / kMost / kRounding_m_s);
+  while (gait_count(options, step_m_s) > kMost) step_m_s += kRounding_m_s;
+  char sentence[200];
+  std::snprintf(sentence, sizeof sentence,
+                "--step %g: gives %d gaits, and a library holds at most %d; take at least --step %.3f",
+                options.step_m_s, count, kMost, step_m_s);
+  throw UsageError(sentence);
+}
+
 int library(const GaitOptions& options) {
   check_output_folder(options.out);
   check_speed("--from", options.from_m_s);
@@ -204,14 +225,14 @@ int library(const GaitOptions& options) {
   if (!(options.step_m_s >= 0.01) || options.to_m_s < options.from_m_s) {
     throw UsageError("--step must be at least 0.01 m/s and --to not below --from");
   }
+  check_count(options);
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
   if (!std::filesystem::is_directory(options.out)) {
     throw UsageError("--out " + options.out + ": the folder cannot be made; name one in a writable folder");
   }
   const model::RobotModel& robot = robot_model(options.robot);
-  const int count =
-      static_cast<int>(std::floor((options.to_m_s - options.from_m_s) / options.step_m_s + 1e-9)) + 1;
+  const int count = gait_count(options, options.step_m_s);
   std::vector<GaitOptions> gaits(static_cast<std::size_t>(count), options);
   for (int i = 0; i < count; ++i) {
     // Rounded, so that 0.1 m/s is 0.1 and standing still is 0.
@@ -318,7 +339,7 @@ int run_gait(const CLI::App& gait, GaitOptions options) {
   }
   OutputFiles outputs = outputs_of(options);
   if (gait.got_subcommand("library")) outputs.front().path.clear();  // names a folder
-  check_output_files(outputs, files_read(options.robot, options.file));
+  check_output_files(outputs, files_read(CommandInputs{options.robot, "", "", options.file}));
   try {
     if (gait.got_subcommand("synthesize")) return synthesize(options);
     if (gait.got_subcommand("check")) return check(options);

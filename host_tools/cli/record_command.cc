@@ -91,12 +91,25 @@ bool whole(const record::Recorder& recorder) {
          std::ranges::all_of(runs, [](const auto& run) { return run.second.gaps().empty(); });
 }
 
-/// @param problem  why the record ended early, or is no use; empty when neither
-Json to_json(const record::Recorder& recorder, double elapsed_s, const std::string& problem) {
+/// Why an empty record is no use; its file is removed.
+std::string nothing_received(const telemetry::Network& network) {
+  return "nothing was received on domain " + std::to_string(network.domain) + ", interface " +
+         network.interface + ", and no file is left; does stiltd run there, with telemetry.enabled?";
+}
+
+/// How a record ended.
+struct Ending {
+  double elapsed_s = 0.0;
+  std::uint64_t bytes = 0;  ///< of the file that is left
+  std::string problem;      ///< why it ended early, or is no use; empty when neither
+};
+
+Json to_json(const record::Recorder& recorder, const Ending& ending) {
+  const std::string& problem = ending.problem;
   Json json;
-  json["duration_s"] = elapsed_s;
+  json["duration_s"] = ending.elapsed_s;
   json["messages"] = recorder.messages();
-  json["bytes"] = recorder.bytes();
+  json["bytes"] = ending.bytes;
   json["complete"] = problem.empty() && whole(recorder);
   json["problem"] = problem.empty() ? Json(nullptr) : Json(problem);
   json["runs"] = Json::array();
@@ -108,16 +121,10 @@ Json to_json(const record::Recorder& recorder, double elapsed_s, const std::stri
   return json;
 }
 
-void print(const RecordOptions& options, const record::Recorder& recorder, double elapsed_s) {
+void print(const RecordOptions& options, const record::Recorder& recorder, const Ending& ending) {
   std::printf("%s: %llu messages in %.1f s, %.2f MB\n", options.out_file.c_str(),
-              static_cast<unsigned long long>(recorder.messages()), elapsed_s,
-              1e-6 * static_cast<double>(recorder.bytes()));
-  if (recorder.messages() == 0) {
-    std::printf(
-        "nothing was received on domain %d, interface %s, and no file is left; does stiltd run there, with "
-        "telemetry.enabled?\n",
-        options.network.domain, options.network.interface.c_str());
-  }
+              static_cast<unsigned long long>(recorder.messages()), ending.elapsed_s,
+              1e-6 * static_cast<double>(ending.bytes));
   for (const auto& [run_id, ledger] : recorder.runs()) {
     std::printf("run %016llx: %s\n", static_cast<unsigned long long>(run_id), ledger.text().c_str());
   }
@@ -153,25 +160,28 @@ int run_record(const RecordOptions& options) {
   record::Recorder recorder(options.out_file, recorder_options(options));
   catch_signals();
   const Clock::time_point start = Clock::now();
-  std::string problem;
+  std::string failure;  // to write
   try {
     record_all(options, listener, recorder);
   } catch (const std::runtime_error& error) {
-    problem = error.what();
+    failure = error.what();
   }
-  if (problem.empty() && recorder.messages() == 0) remove_record(options.out_file);
-  const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
-  if (options.json_file != "-") print(options, recorder, elapsed_s);
-  if (!recorder.problem().empty()) {
-    std::fprintf(stderr, "stilt: %s: %s\n", options.out_file.c_str(), recorder.problem().c_str());
+  Ending ending{0.0, recorder.bytes(), recorder.problem()};
+  if (failure.empty() && recorder.messages() == 0) {
+    remove_record(options.out_file);
+    ending = {0.0, 0, nothing_received(options.network)};
   }
+  ending.elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
+  if (options.json_file != "-") print(options, recorder, ending);
+  if (!ending.problem.empty()) {
+    std::fprintf(stderr, "stilt: %s: %s\n", options.out_file.c_str(), ending.problem.c_str());
+  }
+  if (!failure.empty()) ending.problem = failure;
   write_each({[&] {
-                if (!options.json_file.empty())
-                  write_json(to_json(recorder, elapsed_s, problem.empty() ? recorder.problem() : problem),
-                             options.json_file);
+                if (!options.json_file.empty()) write_json(to_json(recorder, ending), options.json_file);
               },
               [&] {
-                if (!problem.empty()) throw UsageError(problem);
+                if (!failure.empty()) throw UsageError(failure);
               }});
   return whole(recorder) ? 0 : 1;
 }

@@ -153,7 +153,9 @@ CLI::App* add_report_command(CLI::App& program, ReportOptions& options) {
 
 int run_report(const ReportOptions& options) {
   const std::string out = options.out.empty() ? default_out(options.files) : options.out;
-  check_output_files({{"--out", out}}, options.files);
+  std::vector<std::string> inputs = files_read(CommandInputs{options.robot, "", "", ""});
+  inputs.insert(inputs.end(), options.files.begin(), options.files.end());
+  check_output_files({{"--out", out}}, inputs);
   check_use(options);
   const Input first = read(options.files[0], options.robot);
   if (options.files.size() == 1) {

@@ -49,8 +49,9 @@ void catch_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-void check_files(const RobotOptions& options) {
-  std::vector<std::string> inputs = files_read(options.robot, options.config_file);
+/// @param robot  as --robot or the configuration names it
+void check_files(const RobotOptions& options, const std::string& robot) {
+  std::vector<std::string> inputs = files_read(CommandInputs{robot, options.config_file, "", ""});
   inputs.push_back(options.hands_file);
   check_output_files(outputs_of(options), inputs);
 }
@@ -134,12 +135,13 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
 }
 
 int run_robot(const RobotOptions& options, const std::string& command_line) {
-  check_files(options);
+  check_files(options, options.robot);
   if (!options.hands_file.empty() && !options.hang) {
     throw UsageError("--hands: the robot must hang for good; add --hang");
   }
   TypedHands hands(options.hands_file);
   const SimulatedHardware hardware = simulated_hardware(options);
+  check_files(options, hardware.robot->constants.name);
   RobotOnBus robot(hardware.setup);
   std::vector<robot_on_bus::RobotBus> buses;
   for (const std::string& name : hardware.bus_names) buses.emplace_back(name, hardware.fd);

@@ -187,7 +187,7 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
 }
 
 int run_sim(const SimOptions& options, const std::string& command_line) {
-  check_output_files(outputs_of(options), files_read(options.choice.robot, options.choice.config_file));
+  check_output_files(outputs_of(options), files_read(options.choice));
   const model::RobotModel& robot = robot_model(options.choice.robot);
   const configuration::Configuration parameters = controller_configuration(options.choice);
   const PlantOptions world = plant_options(options, parameters.timing);

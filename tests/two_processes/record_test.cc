@@ -67,6 +67,7 @@ TEST_F(Recording, a_minute_of_walking_is_recorded_whole_and_replays_bit_for_bit)
   start_walk("64");
   end_walk();
   EXPECT_EQ(end_recorder(), 0) << said();
+  EXPECT_TRUE(Json::parse(std::ifstream(run.file("record.json"))).at("problem").is_null());
   EXPECT_EQ(replay(), 0) << said();
   EXPECT_TRUE(replayed.at("reproduced")) << said();
   const Json& replayed_run = replayed.at("runs").at(0);

@@ -2,7 +2,7 @@
 
 #include <charconv>
 #include <functional>
-#include <stdexcept>
+#include <ostream>
 
 namespace stilt::csv {
 namespace {
@@ -44,9 +44,7 @@ std::string cell(const Json& value) {
 
 }  // namespace
 
-Table::Table(const std::string& path) : path_(path), file_(path, std::ios::binary) {
-  if (!file_) throw std::runtime_error(path + ": cannot be written; name a file in a folder that exists");
-}
+Table::Table(const std::string& path) : file_(path) {}
 
 void Table::add(const Json& row) {
   std::vector<std::string> names, cells;
@@ -60,13 +58,9 @@ void Table::add(const Json& row) {
 }
 
 void Table::write(const std::vector<std::string>& cells) {
-  for (std::size_t i = 0; i < cells.size(); ++i) file_ << (i > 0 ? "," : "") << cells[i];
-  file_ << '\n';
-}
-
-void Table::close() {
-  file_.close();
-  if (!file_) throw std::runtime_error(path_ + ": cannot be written any further; is there room on the disk?");
+  std::ostream& text = file_.text();
+  for (std::size_t i = 0; i < cells.size(); ++i) text << (i > 0 ? "," : "") << cells[i];
+  text << '\n';
 }
 
 }  // namespace stilt::csv

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "host_tools/recording/csv/table_file.h"
 
 namespace stilt::csv {
 
@@ -19,13 +20,15 @@ class Table {
   void add(const nlohmann::ordered_json& row);
 
   /// Closes the file. Throws std::runtime_error, one sentence, when a part was not written.
-  void close();
+  void close() { file_.close(); }
+
+  /// Gives the closed file its name: TableFile::place().
+  void place() { file_.place(); }
 
  private:
   void write(const std::vector<std::string>& cells);
 
-  std::string path_;
-  std::ofstream file_;
+  TableFile file_;
   bool named_ = false;
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -12,6 +11,7 @@
 #include "firmware/telemetry/tick_batch.h"
 #include "firmware/telemetry/topics.h"
 #include "host_tools/recording/csv/csv_table.h"
+#include "host_tools/recording/csv/table_file.h"
 #include "host_tools/recording/mcap/reader.h"
 #include "host_tools/recording/record/record_version.h"
 #include "host_tools/recording/record/recorder.h"
@@ -51,21 +51,23 @@ class TickTables {
       if (tick.tick < run->second.next) continue;
       run->second.next = tick.tick + 1;
       const std::int64_t start_ns = starts_.try_emplace(batch.run_id, tick.time_ns).first->second;
-      diagnostics::write_tick(*run->second.file, tick, start_ns);
+      diagnostics::write_tick(run->second.file->text(), tick, start_ns);
     }
   }
 
-  void close(std::vector<std::string>& files) {
+  void close() {
     for (const auto& file : files_) file->close();
-    if (std::ranges::any_of(files_, [](const auto& file) { return !*file; })) {
-      throw std::runtime_error(first_path_ + ": cannot be written any further; is there room on the disk?");
-    }
+  }
+
+  /// Gives the closed files their names.
+  void place(std::vector<std::string>& files) {
+    for (const auto& file : files_) file->place();
     files.insert(files.end(), paths_.begin(), paths_.end());
   }
 
  private:
   struct Run {
-    std::ofstream* file = nullptr;
+    TableFile* file = nullptr;
     std::uint64_t next = 0;
   };
 
@@ -74,11 +76,8 @@ class TickTables {
       std::filesystem::path path = first_path_;
       if (!files_.empty()) path.replace_filename("ticks_" + std::to_string(files_.size() + 1) + ".csv");
       paths_.push_back(path.string());
-      files_.push_back(std::make_unique<std::ofstream>(path));
-      if (!*files_.back()) {
-        throw std::runtime_error(path.string() + ": cannot be written; name a place that exists");
-      }
-      diagnostics::write_tick_header(*files_.back());
+      files_.push_back(std::make_unique<TableFile>(path.string()));
+      diagnostics::write_tick_header(files_.back()->text());
     }
     run.file = files_.back().get();
   }
@@ -87,7 +86,7 @@ class TickTables {
   bool one_each_;
   Starts starts_;  ///< of a run without configuration: its first tick here
   std::map<std::uint64_t, Run> runs_;
-  std::vector<std::unique_ptr<std::ofstream>> files_;
+  std::vector<std::unique_ptr<TableFile>> files_;
   std::vector<std::string> paths_;
 };
 
@@ -127,8 +126,13 @@ class TopicTables {
     table->add(row);
   }
 
-  void close(const std::string& record, Written& written) {
+  void close() {
     for (const auto& [topic, table] : tables_) table->close();
+  }
+
+  /// Gives the closed tables their names.
+  void place(const std::string& record, Written& written) {
+    for (const auto& [topic, table] : tables_) table->place();
     written.files.insert(written.files.end(), paths_.begin(), paths_.end());
     for (const auto& [topic, defect] : defects_) {
       const char* left_out = tables_.contains(topic) ? "; such messages are left out" : "; it is left out";
@@ -187,8 +191,10 @@ Written record_to_csv(const std::string& record, const std::string& folder) {
     }
   }
   Written written{{}, reader.problems()};
-  ticks.close(written.files);
-  topics.close(record, written);
+  ticks.close();
+  topics.close();  // all are whole before the first has its name
+  ticks.place(written.files);
+  topics.place(record, written);
   return written;
 }
 
@@ -200,7 +206,8 @@ Written ticks_to_csv(const std::string& record, const std::string& file) {
     if (is_ticks(*read)) add_ticks(*read, ticks);
   }
   Written written{{}, reader.problems()};
-  ticks.close(written.files);
+  ticks.close();
+  ticks.place(written.files);
   if (written.files.empty()) {
     throw std::runtime_error(record::without_ticks(record, written.problems));
   }

@@ -1,5 +1,7 @@
 #include "host_tools/recording/record/record_version.h"
 
+#include <charconv>
+#include <optional>
 #include <stdexcept>
 
 #include "firmware/telemetry/cdr.h"
@@ -17,6 +19,11 @@ bool is_configuration(const mcap::ReadMessage& read) {
 /// The definition in the record shows whether its messages have a version.
 bool has_version(const mcap::ReadMessage& read) {
   return read.schema == nullptr || read.schema->text.find(" wire_version\n") != std::string::npos;
+}
+
+/// A sentence without the path that it begins with.
+std::string without_path(const std::string& path, const std::string& problem) {
+  return problem.substr(problem.starts_with(path + ": ") ? path.size() + 2 : 0);
 }
 
 }  // namespace
@@ -42,11 +49,25 @@ void require_wire_version(const std::string& path) {
   }
 }
 
+void require_wire_version(const std::string& path, const mcap::Metadata& of_run) {
+  std::optional<std::uint32_t> version;
+  if (const auto entry = of_run.entries.find("wire_version"); entry != of_run.entries.end()) {
+    const std::string& text = entry->second;
+    std::from_chars(text.data(), text.data() + text.size(), version.emplace(0));
+  }
+  if (const auto problem = host_telemetry::wire_version_problem(version)) {
+    throw std::runtime_error(path + ": " + *problem);
+  }
+}
+
+std::string without_configuration(const std::string& path, const std::vector<std::string>& problems) {
+  return problems.empty() ? "record from before stiltd ends" : without_path(path, problems.front());
+}
+
 std::string without_ticks(const std::string& path, const std::vector<std::string>& problems) {
   const std::string none = path + ": holds no ticks of stiltd";
   if (problems.empty()) return none + "; name a record of stilt record";
-  const std::string& first = problems.front();
-  return none + " that can be read: " + first.substr(first.starts_with(path + ": ") ? path.size() + 2 : 0);
+  return none + " that can be read: " + without_path(path, problems.front());
 }
 
 }  // namespace stilt::record

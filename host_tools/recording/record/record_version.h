@@ -16,6 +16,14 @@ void require_wire_version(const std::string& path, const mcap::ReadMessage& read
 /// std::runtime_error, one sentence, also when the file is not a record.
 void require_wire_version(const std::string& path);
 
+/// The same for what stilt record writes beside the configuration of a run, metadata named "stiltd".
+void require_wire_version(const std::string& path, const mcap::Metadata& of_run);
+
+/// Why a record has no configuration of a run: what its reader found first, or that it began too late.
+/// @param problems  of the reader; each begins with the path
+[[nodiscard]] std::string without_configuration(const std::string& path,
+                                                const std::vector<std::string>& problems);
+
 /// Why a record without ticks is no use, one sentence that begins with the path.
 /// @param problems  of the reader; each begins with the path
 [[nodiscard]] std::string without_ticks(const std::string& path, const std::vector<std::string>& problems);

@@ -42,6 +42,7 @@ void take_configuration(const ActiveConfiguration& message, RecordedRun& run) {
   run.configuration = message.configuration;
   run.build = std::string(message.version) + ", " + message.compiler + ", " + message.instruction_set;
   run.tunables.clear();
+  run.start_clock_ns = message.start_clock_ns;
   for (const auto& tunable : telemetry::span_of(message.tunables)) run.tunables.emplace_back(tunable.key);
 }
 
@@ -64,6 +65,30 @@ void take(const mcap::ReadMessage& read, RecordContents& contents) {
   }
 }
 
+/// Names of attachment and metadata are those of record::Recorder.
+void take_attached(const std::string& path, const mcap::Reader& reader, RecordedRun& run) {
+  const std::vector<mcap::Attachment>& files = reader.attachments();
+  const std::string name = record::configuration_name(run.number);
+  const auto toml = std::ranges::find(files, name, &mcap::Attachment::name);
+  const auto of_run = std::ranges::find_if(reader.metadata(), [&](const mcap::Metadata& one) {
+    const auto number = one.entries.find("run_id");
+    return number != one.entries.end() && number->second == std::to_string(run.number);
+  });
+  if (toml == files.end() || of_run == reader.metadata().end()) return;
+  record::require_wire_version(path, *of_run);
+  const auto entry = [&](const char* key) {
+    const auto found = of_run->entries.find(key);
+    return found == of_run->entries.end() ? std::string() : found->second;
+  };
+  run.configured = run.attached = true;
+  run.robot = entry("robot");
+  run.configuration = toml->data;
+  run.build = entry("version") + ", " + entry("compiler") + ", " + entry("instruction_set");
+  // Behind it: an earlier run may have had another robot of this name.
+  const auto urdf = std::ranges::find(toml, files.end(), run.robot + ".urdf", &mcap::Attachment::name);
+  if (urdf != files.end()) run.urdf = urdf->data;
+}
+
 }  // namespace
 
 RecordContents read_contents(const std::string& path) {
@@ -74,6 +99,10 @@ RecordContents read_contents(const std::string& path) {
     take(*read, contents);
   }
   contents.problems = reader.problems();
+  for (RecordedRun& run : contents.runs) {
+    if (!run.configured) take_attached(path, reader, run);
+    if (!run.configured) run.why_not_configured = record::without_configuration(path, contents.problems);
+  }
   return contents;
 }
 

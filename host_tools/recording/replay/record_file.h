@@ -19,7 +19,12 @@ namespace stilt::replay {
 /// Content of a record for one run of stiltd, without its ticks.
 struct RecordedRun {
   std::uint64_t number = 0;
-  bool configured = false;  ///< whether the record has its configuration and the fields below
+  bool configured = false;         ///< whether the record has its configuration and the fields below
+  std::string why_not_configured;  ///< when it is not: one clause
+  /// The message with the configuration is damaged, and what stilt record attached took its place: without
+  /// start and keys of the tunables.
+  bool attached = false;
+  std::int64_t start_clock_ns = 0;  ///< clock of the ticks at tick 0
   std::string robot;
   std::string urdf;                   ///< text of its description
   std::string configuration;          ///< TOML

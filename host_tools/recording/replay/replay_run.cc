@@ -27,6 +27,7 @@ class TuningsOf {
   [[nodiscard]] std::expected<Tunings, std::string> operator()(std::uint32_t number) const {
     const auto values = run_.tunings.find(number);
     if (values == run_.tunings.end()) return std::unexpected("is missing in the record");
+    if (run_.attached) return std::unexpected("has keys that are damaged in the record");
     if (!same_tunables()) {
       return std::unexpected("is of a program with other live tunables; replay it with stilt of " +
                              run_.build);
@@ -68,7 +69,7 @@ Outcome failed(const std::string& problem) {
 Outcome replay_run(const std::string& path, const RecordedRun& run,
                    const std::function<void(std::uint64_t)>& progress) {
   if (!run.configured) {
-    return failed("its configuration is missing in the record; record from before stiltd ends");
+    return failed("its configuration is missing in the record; " + run.why_not_configured);
   }
   if (const auto robot = robots::of_run(run.robot, run.urdf); !robot) {
     return failed("its robot's description is refused by this program: " + robot.error());

@@ -1,6 +1,7 @@
 #include "host_tools/recording/run/record_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <stdexcept>
 
@@ -22,7 +23,6 @@ namespace {
 
 /// Messages of a run besides its ticks and what read_contents() takes.
 struct RunMessages {
-  std::int64_t start_ns = 0;  ///< of tick 0
   PlanTrack plans;
   std::map<std::uint64_t, log::RunEvent> events;  ///< by number
   long long heap_allocations = 0;
@@ -44,9 +44,6 @@ RunMessages messages_of(const std::string& path, std::uint64_t run_id) {
       if (event->run_id == run_id) found.events[event->number] = {event->time_s, event->text};
     } else if (const auto timing = message_of<telemetry::Timing>(*read, telemetry::kTiming)) {
       if (timing->run_id == run_id) found.heap_allocations = static_cast<long long>(timing->heap_allocations);
-    } else if (const auto configuration =
-                   message_of<telemetry::ActiveConfiguration>(*read, telemetry::kConfiguration)) {
-      if (configuration->run_id == run_id) found.start_ns = configuration->start_clock_ns;
     }
   }
   return found;
@@ -81,6 +78,17 @@ model::RobotConstants robot_of(const std::string& path, const replay::RecordedRu
                            found.error());
 }
 
+/// Clock of the ticks at tick 0. Where the message that has it is damaged, back from the first tick there is.
+std::int64_t start_of(const std::string& path, const replay::RecordedRun& run, double rate_hz) {
+  if (!run.attached) return run.start_clock_ns;
+  std::int64_t start_ns = 0;
+  replay::for_each_tick(path, run.number, [&](const control_loop::TickRecord& tick) {
+    start_ns = tick.time_ns - std::llround(1e9 / rate_hz * static_cast<double>(tick.tick));
+    return false;
+  });
+  return start_ns;
+}
+
 }  // namespace
 
 RecordRun run_of_record(const std::string& path) {
@@ -91,7 +99,7 @@ RecordRun run_of_record(const std::string& path) {
     throw std::runtime_error(without_ticks(path, contents.problems));
   }
   if (!recorded->configured) {
-    throw std::runtime_error(path + ": lacks the configuration of its run; record from before stiltd ends");
+    throw std::runtime_error(path + ": lacks the configuration of its run; " + recorded->why_not_configured);
   }
   const RunMessages messages = messages_of(path, recorded->number);
   RecordRun result;
@@ -106,7 +114,9 @@ RecordRun run_of_record(const std::string& path) {
   run.command_line = path + ", recorded from stiltd " + recorded->build;
   run.controller.emplace();
   for (const auto& [number, event] : messages.events) run.controller->events.push_back(event);
+  double rate_hz = control::TimingParameters{}.torque_rate_hz;
   if (const auto configuration = replay::configuration_of(*recorded)) {
+    rate_hz = configuration->timing.torque_rate_hz;
     run.friction_coefficient = configuration->inequality.friction_coefficient;
     run.settings = settings_of(*configuration);
   } else {
@@ -116,7 +126,7 @@ RecordRun run_of_record(const std::string& path) {
   run.settings.insert(run.settings.begin(), {{"robot", recorded->robot}, {"stiltd", recorded->build}});
   run.robot.name = recorded->robot;
   run.plans = messages.plans.snapshots();
-  TickRun ticks(result.robot, messages.start_ns, messages.plans, run);
+  TickRun ticks(result.robot, start_of(path, *recorded, rate_hz), messages.plans, run);
   replay::for_each_tick(path, recorded->number, [&](const control_loop::TickRecord& tick) {
     ticks.add(tick);
     return true;

@@ -45,6 +45,20 @@ TEST(Edit, AddsKeysToTheirSectionAndSectionsToTheEnd) {
   EXPECT_EQ(edited("[hip_L]", {{"hip_L", "id", "7"}}), "[hip_L]\nid = 7");
 }
 
+TEST(Edit, AddsKeysAsTheirSectionIsWritten) {
+  EXPECT_EQ(
+      edited("hip_L.id = 7\nhip_L.bus = 0 # ä\nknee_L.id = 8\n\n[gait]\n",
+             {{"hip_L", "offset_rad", "0.1"}, {"hip_L", "id", "9"}, {"knee_L", "reversed", "true"}}),
+      "hip_L.id = 9\nhip_L.bus = 0 # ä\nhip_L.offset_rad = 0.1\nknee_L.id = 8\nknee_L.reversed = true\n\n"
+      "[gait]\n");
+  EXPECT_EQ(edited("hip_L = { id = 7, s = \"ä}\" } # {}\n[gait]\n",
+                   {{"hip_L", "offset_rad", "0.1"}, {"hip_L", "reversed", "true"}, {"hip_L", "id", "9"}}),
+            "hip_L = { id = 9, s = \"ä}\", offset_rad = 0.1, reversed = true } # {}\n[gait]\n");
+  EXPECT_EQ(edited("hip_L = {}", {{"hip_L", "id", "7"}}), "hip_L = { id = 7 }");
+  EXPECT_EQ(edited("  [ hip_L ] # head\n[gait]\n", {{"hip_L", "id", "7"}}),
+            "  [ hip_L ] # head\nid = 7\n[gait]\n");
+}
+
 TEST(Edit, ReplacesWords) {
   EXPECT_EQ(edited("[hardware]\nrobot = \"amber3m\" # ours\n", {{"hardware", "robot", "\"rabbit\""}}),
             "[hardware]\nrobot = \"rabbit\" # ours\n");

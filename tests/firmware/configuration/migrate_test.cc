@@ -74,7 +74,32 @@ TEST(Migrate, KeysOfTheSameNameInOtherSectionsStay) {
 TEST(Migrate, AKeyUnderBothNamesIsRefused) {
   EXPECT_EQ(migrated("[sqp]\nfilter_margin = 1\ngamma_c = 2\n"),
             "robot.toml:3:1: gamma_c is now filter_margin, and the file has both; remove one of them");
-  EXPECT_TRUE(migrated("[base_sensor]\n[torso_sensor]\n").starts_with("robot.toml:2:")) << "a section";
+}
+
+/// The renamed header was refused as TOML before, at the place of the other one.
+TEST(Migrate, ASectionUnderBothNamesIsToBeMerged) {
+  const std::string sentence =
+      "base_sensor is now torso_sensor, and the file has both; move the keys of base_sensor to torso_sensor";
+  EXPECT_EQ(migrated("[base_sensor]\nbus = 1\n[torso_sensor]\nrate_hz = 250.0\n"),
+            "robot.toml:1:2: " + sentence);
+  EXPECT_EQ(migrated("[torso_sensor]\nrate_hz = 250.0\n[base_sensor]\nbus = 1\n"),
+            "robot.toml:3:2: " + sentence);
+  EXPECT_EQ(migrated("torso_sensor.bus = 1\nbase_sensor.bus = 2\n"), "robot.toml:2:1: " + sentence);
+  EXPECT_EQ(migrated("torso_sensor.bus = 1\nbase_sensor.rate_hz = 2\n"),
+            "torso_sensor.bus = 1\ntorso_sensor.rate_hz = 2\n")
+      << "keys with dots stand beside each other";
+}
+
+TEST(Migrate, AMovedFileNamesTheSameRobot) {
+  const std::string_view own = "[hardware]\nrobot = \"own.urdf\"  # mine\n";
+  EXPECT_EQ(moved(own, "/a/robot.toml", "/b/robot.toml"), "[hardware]\nrobot = \"/a/own.urdf\"  # mine\n");
+  EXPECT_EQ(moved("hardware.robot = \"../own.urdf\"\n", "/a/robot.toml", "/a/b/robot.toml"),
+            "hardware.robot = \"/a/../own.urdf\"\n");
+  EXPECT_EQ(moved(own, "/a/robot.toml", "/a/b/../new.toml"), own);
+  for (const std::string_view stays : {"[hardware]\nrobot = \"rabbit\"\n",
+                                       "[hardware]\nrobot = \"/own.urdf\"\n", "[sqp]\niterations = 1\n"}) {
+    EXPECT_EQ(moved(stays, "/a/robot.toml", "/b/robot.toml"), stays);
+  }
 }
 
 TEST(Migrate, AKeyInAnotherUnitIsRefusedWithWhatToDo) {

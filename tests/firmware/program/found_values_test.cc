@@ -98,6 +98,38 @@ TEST(FoundValues, AFileThatIsNoConfigurationIsRefusedBeforeTheRun) {
   EXPECT_NE(checked.error().find(file + ":2:"), std::string::npos) << checked.error();
 }
 
+TEST(FoundValues, AFileWithDotsAndBracesGetsThem) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("robot.toml");
+  std::ofstream(file) << "hip_L.id = 9\nhip_L.reply_id = 25\nknee_L = { offset_rad = 0.5 }\n";
+  for (const char* command : {"calibrate", "identify"}) {
+    const auto options = read({command, "--config", file, "--out", file});
+    ASSERT_TRUE(options) << options.error();
+    const auto checked = check_out_file(*options);
+    EXPECT_TRUE(checked) << command << checked.error();
+  }
+  std::vector<configuration::NewValue> found = kFound;
+  found.push_back({"knee_L", "reversed", "true"});
+  const auto written = write_values(*read({"calibrate", "--config", file, "--out", file}), found);
+  ASSERT_TRUE(written) << written.error();
+  EXPECT_EQ(content(file),
+            "hip_L.id = 9\nhip_L.reply_id = 25\nhip_L.reversed = true\nhip_L.offset_rad = 0.125\n"
+            "knee_L = { offset_rad = 0.5, reversed = true }\n");
+  EXPECT_EQ(configuration::load_file(file)->hardware.joint[0].offset_rad, 0.125);
+}
+
+TEST(FoundValues, ANewFileIsTriedBeforeTheRun) {
+  const tests::OwnFolder folder;
+  Options options = options_of("amber3m", folder.file("new.toml"));
+  options.task = Task::calibrate;
+  EXPECT_TRUE(check_out_file(options));
+  EXPECT_FALSE(std::filesystem::exists(options.out_file));
+  options.config_file = folder.file("gone.toml");
+  const auto checked = check_out_file(options);
+  ASSERT_FALSE(checked);
+  EXPECT_NE(checked.error().find("gone.toml cannot be read"), std::string::npos) << checked.error();
+}
+
 TEST(FoundValues, AFileWithAnotherWiringIsRefusedBeforeTheRun) {
   const tests::OwnFolder folder;
   const std::string here = folder.file("mine.toml"), there = folder.file("other.toml");
@@ -183,7 +215,7 @@ TEST(FoundValues, NothingIsWrittenThatWouldBeRefused) {
   const std::vector<configuration::NewValue> far = {{"hip_L", "offset_rad", "1e6"}};
   const auto written = write_values(options_of("amber3m", file), far);
   ASSERT_FALSE(written);
-  EXPECT_TRUE(written.error().starts_with("--out: what was found makes no valid configuration"))
+  EXPECT_TRUE(written.error().starts_with("--out: what is found makes no valid configuration"))
       << written.error();
   EXPECT_FALSE(std::filesystem::exists(file));
 }

@@ -323,6 +323,32 @@ TEST(Stiltd, WritesItsResultsOverNoFileThatItReads) {
   }
 }
 
+TEST(Stiltd, WritesItsResultsOverNoFileOfItsRobot) {
+  const tests::OwnFolder folder;
+  const std::string urdf = folder.file("own.urdf"), beside = folder.file("own.toml");
+  const std::string robot = "--robot " + urdf + " ", config = "--config " + folder.file("wiring.toml") + " ";
+  std::filesystem::copy_file(SHIPPED_URDF, urdf);
+  std::ofstream(beside) << "[telemetry]\nenabled = false\n";
+  std::ofstream(folder.file("wiring.toml")) << "[hardware]\nrobot = \"own.urdf\"\n";
+  const auto text_of = [](const std::string& file) {
+    return std::string(std::istreambuf_iterator<char>(std::ifstream(file).rdbuf()), {});
+  };
+  const std::string urdf_before = text_of(urdf), beside_before = text_of(beside);
+  for (const std::string& words :
+       {robot + kAbsentBuses + " --json " + urdf, robot + kAbsentBuses + " --json " + beside,
+        robot + kAbsentBuses + " --black-box " + beside, config + kAbsentBuses + " --json " + urdf,
+        robot + "--start walk --json " + urdf, robot + "--nonsense --json " + beside,
+        config + "--start walk --json " + urdf, config + "--set cost.terminal=x --json " + urdf}) {
+    EXPECT_EQ(stiltd(words).status, 2) << words;
+    EXPECT_EQ(text_of(urdf), urdf_before) << words;
+    EXPECT_EQ(text_of(beside), beside_before) << words;
+  }
+  const std::string empty = folder.file("empty.json");
+  std::ofstream(empty).flush();
+  EXPECT_EQ(stiltd("--start walk --json " + empty).status, 2);
+  EXPECT_TRUE(text_of(empty).starts_with("{")) << "an empty file has nothing to lose";
+}
+
 TEST(Stiltd, SaysWhatAConfigurationWasReadFromAndForWhichRobot) {
   const Answer rabbit = stiltd(
       "--check-config --set hardware.robot=rabbit --set hip_driver.torque_range_Nm=160 "

@@ -58,6 +58,16 @@ TEST_F(ConfigMigrate, OutLeavesTheFileAsItIs) {
   EXPECT_EQ(text_of(file("new.toml")), kNew);
 }
 
+TEST_F(ConfigMigrate, OutInAnotherFolderNamesTheSameRobot) {
+  const std::string path = written("mine.toml", std::string(kOld) + "[hardware]\nrobot = \"mine.urdf\"\n");
+  std::filesystem::create_directory(file("below"));
+  ASSERT_EQ(run("config migrate " + path + " --out " + file("below/new.toml")).status, 0);
+  EXPECT_EQ(text_of(file("below/new.toml")),
+            std::string(kNew) + "[hardware]\nrobot = \"" + file("mine.urdf") + "\"\n");
+  ASSERT_EQ(run("config migrate " + path + " --out " + file("new.toml")).status, 0);
+  EXPECT_EQ(text_of(file("new.toml")), std::string(kNew) + "[hardware]\nrobot = \"mine.urdf\"\n");
+}
+
 TEST_F(ConfigMigrate, AFileWithoutOldNamesIsNotWritten) {
   const std::string path = written("mine.toml", kNew);
   struct stat before = {};

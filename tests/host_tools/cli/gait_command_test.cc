@@ -101,6 +101,21 @@ TEST_F(GaitCommand, SpeedsThatDifferInTheThirdDecimalHaveFilesOfTheirOwn) {
   }
 }
 
+TEST_F(GaitCommand, ALibraryOfMoreGaitsThanCanBeLoadedIsRefusedBeforeAnyWork) {
+  for (const auto& [range, sentence] :
+       {std::pair{"--from -0.4 --to 1 --step 0.02",
+                  "--step 0.02: gives 71 gaits, and a library holds at most 32; take at least --step 0.044"},
+        {"--from 0 --to 0.32 --step 0.01",
+         "--step 0.01: gives 33 gaits, and a library holds at most 32; take at least --step 0.011"}}) {
+    const Outcome outcome = run(std::string("library ") + range + " --out " + file("library"));
+    EXPECT_EQ(outcome.status, 2) << range;
+    EXPECT_EQ(outcome.errors, std::string("stilt: ") + sentence + "\n");
+    EXPECT_FALSE(std::filesystem::exists(file("library"))) << range;
+  }
+  const Outcome most = run("library --from 0 --to 0.31 --step 0.01 --phase hip --out " + file("library"));
+  EXPECT_EQ(most.errors.find("--step"), std::string::npos) << "32 are not too many: " << most.errors;
+}
+
 TEST_F(GaitCommand, ALibraryGoesOnAfterASpeedWithoutAGait) {
   const Outcome outcome = run("library --from 0.1 --to 0.2 --limit knee_min_rad=3 --out " + file("library") +
                               " --json " + file("json"));

@@ -57,6 +57,31 @@ TEST_F(CommandOutput, NoneIsAFileThatTheCommandReads) {
   EXPECT_EQ(text_of(file("in.urdf")), "<robot/>");
 }
 
+TEST_F(CommandOutput, NoneIsAFileOfTheRobotOrAGaitThatTheCommandReads) {
+  std::filesystem::create_directory(file("gl"));
+  std::filesystem::copy_file(file("in.toml"), file("gl/one.toml"));
+  std::filesystem::copy_file(STILT_TEST_DATA "/robots/heavy.urdf", file("own.urdf"));
+  std::ofstream(file("wiring.toml")) << "[hardware]\nrobot = \"own.urdf\"\n";
+  const std::string urdf = text_of(file("own.urdf")), gait = text_of(file("in.toml"));
+  std::string of_own = gait;
+  of_own.replace(of_own.find("\"amber3m\""), 9, "\"own.urdf\"");
+  std::ofstream(file("own_gait.toml")) << of_own;
+  for (const char* arguments :
+       {"report @in.csv --robot @own.urdf --out @own.urdf", "gait check @own_gait.toml --json @own.urdf",
+        "gait show @own_gait.toml --report @own.urdf", "gait complete @own_gait.toml --out @own.urdf",
+        "gait synthesize --speed 0.5 --robot @own.urdf --out @own.toml",
+        "sim --controller mpc-hzd --gaits @gl --json @gl/one.toml",
+        "bench --controller mpc-hzd --gaits @gl --json @gl/one.toml",
+        "robot --config @wiring.toml --json @own.urdf", "sim --config @wiring.toml --json @own.urdf"}) {
+    const Outcome outcome = run_here(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_NE(outcome.errors.find(": is a file to be read; name another one\n"), std::string::npos)
+        << arguments << outcome.errors;
+  }
+  EXPECT_EQ(text_of(file("own.urdf")), urdf);
+  EXPECT_EQ(text_of(file("gl/one.toml")), gait);
+}
+
 TEST_F(CommandOutput, EachHasItsOwnPlace) {
   for (const char* arguments :
        {"record --out @one --json @one", "sim --json @one --report @one", "sim --json @one --log @./one",
@@ -168,9 +193,18 @@ TEST_F(CommandOutput, ARecordOfNothingIsNotInTheWayOfTheNext) {
   }
 }
 
-TEST_F(CommandOutput, ARecordHasTheProblemNull) {
-  EXPECT_EQ(run(record_in_own_domain() + "--out /dev/null --json " + file("run.json")).status, 1);
-  EXPECT_TRUE(nlohmann::json::parse(text_of(file("run.json"))).at("problem").is_null());
+TEST_F(CommandOutput, ARecordOfNothingSaysSoInTheJsonAndOnStandardError) {
+  for (const char* json_file : {"-", "@run.json"}) {
+    const Outcome outcome = run_here(record_in_own_domain() + "--out @walk.mcap --json " + json_file);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_NE(outcome.errors.find("walk.mcap: nothing was received on domain "), std::string::npos)
+        << outcome.errors;
+    const bool printed = std::string(json_file) == "-";
+    const auto json = nlohmann::json::parse(printed ? outcome.output : text_of(file("run.json")));
+    EXPECT_TRUE(json.at("problem").get<std::string>().starts_with("nothing was received on domain "));
+    EXPECT_EQ(json.at("bytes"), 0) << "the file is removed";
+    EXPECT_EQ(json.at("complete"), false);
+  }
 }
 
 TEST_F(CommandOutput, ADurationOfARecordIsAboveZero) {

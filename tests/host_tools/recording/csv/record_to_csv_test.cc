@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 #include "firmware/diagnostics/tick_csv.h"
 #include "host_tools/recording/csv/csv_table.h"
 #include "host_tools/recording/record/recorder.h"
+#include "tests/full_disk.h"
 #include "tests/host_tools/recording/mcap/sample_file.h"
 #include "tests/host_tools/recording/record_sample.h"
 #include "tests/own_folder.h"
@@ -171,6 +173,36 @@ TEST_F(RecordToCsv, ARecordWithoutTicksIsRefusedAndLeavesTheFileAsItIs) {
   EXPECT_EQ(lines_of(file), std::vector<std::string>{"of another record"});
 }
 
+TEST_F(RecordToCsv, AFullDiskLeavesTheEarlierTableAndNoPartOfANewOne) {
+  const std::string file = own.file("ticks.csv");
+  std::ofstream(file) << "of another record";
+  {
+    const tests::FullDisk full(1000);
+    EXPECT_THROW(static_cast<void>(ticks_to_csv(record.path(), file)), std::runtime_error);
+    EXPECT_THROW(static_cast<void>(record_to_csv(record.path(), folder.string())), std::runtime_error);
+  }
+  EXPECT_EQ(lines_of(file), std::vector<std::string>{"of another record"});
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  const std::filesystem::directory_iterator entries(own.path());
+  EXPECT_EQ(std::distance(begin(entries), end(entries)), 2) << "the earlier table and the folder";
+  EXPECT_NO_THROW(static_cast<void>(record_to_csv(record.path(), folder.string()))) << "a second trial";
+}
+
+TEST_F(RecordToCsv, ATableReplacesAnotherOnceItIsWholeAndALinkStays) {
+  const std::string file = own.file("table.csv"), link = own.file("link.csv");
+  std::ofstream(file) << "earlier";
+  std::filesystem::create_symlink("table.csv", link);
+  {
+    Table table(link);
+    table.add({{"a", 1}});
+    table.close();
+    EXPECT_EQ(lines_of(file), std::vector<std::string>{"earlier"});
+    table.place();
+  }
+  EXPECT_EQ(lines_of(file), (std::vector<std::string>{"a", "1"}));
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+}
+
 TEST_F(RecordToCsv, RefusesPlacesThatCannotBeWritten) {
   EXPECT_THROW(static_cast<void>(record_to_csv(record.path(), "/proc/nowhere")), std::runtime_error);
   EXPECT_THROW(static_cast<void>(ticks_to_csv(record.path(), "/nowhere/ticks.csv")), std::runtime_error);
@@ -193,6 +225,7 @@ TEST(Table, CellsAreReadBackTheSame) {
         {{"a", {{"b", 0.1}, {"c", "x,y"}}}, {"n", std::numeric_limits<double>::quiet_NaN()}, {"l", {1, 2}}});
     table.add({{"a", {{"b", 1e-300}, {"c", ""}}}, {"n", 3}, {"l", nlohmann::ordered_json::array()}});
     table.close();
+    table.place();
   }
   const std::vector<std::string> lines = lines_of(file.path());
   ASSERT_EQ(lines.size(), 3u);

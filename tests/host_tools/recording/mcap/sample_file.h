@@ -31,6 +31,17 @@ class TemporaryFile {
   std::string path_;
 };
 
+/// Breaks the first chunk of a record that zstd has compressed. False: there is none.
+inline bool damage_first_chunk(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(std::istreambuf_iterator<char>(file), {});
+  const std::size_t frame = bytes.find("\x28\xb5\x2f\xfd");
+  if (frame == std::string::npos) return false;
+  bytes[frame] = 'x';
+  std::ofstream(path, std::ios::binary) << bytes;
+  return true;
+}
+
 inline constexpr int kSampleMessages = 90;
 inline constexpr int kSampleChunks = 9;
 

@@ -121,6 +121,29 @@ TEST(RecordFile, AConfigurationOfAnotherWireVersionIsRefusedWhereverItStands) {
   EXPECT_THROW(static_cast<void>(read_contents(file.path())), std::runtime_error);
 }
 
+TEST(RecordFile, AConfigurationInADamagedChunkIsReadFromTheAttachments) {
+  const mcap::TemporaryFile file("damaged");
+  {
+    record::Recorder recorder(file.path(), {});
+    recorder.take(configuration_sample(kRun, recorded_walk().configuration, "own.urdf", record::long_urdf()),
+                  1);
+    recorder.flush();
+    recorder.take(record::ticks_sample(kRun, 0, 20), 1);
+    recorder.take(configuration_sample(kRun + 1, recorded_walk().configuration, "own.urdf", "edited"), 1);
+  }
+  ASSERT_TRUE(mcap::damage_first_chunk(file.path()));
+  const RecordContents contents = read_contents(file.path());
+  EXPECT_EQ(contents.problems.size(), 1u);
+  ASSERT_FALSE(contents.runs.empty());
+  const RecordedRun& run = contents.runs[0];
+  EXPECT_TRUE(run.configured);
+  EXPECT_TRUE(run.attached);
+  EXPECT_EQ(run.robot, "own.urdf");
+  EXPECT_EQ(run.urdf, record::long_urdf());
+  EXPECT_EQ(run.build, "9.9, gcc, avx2");
+  EXPECT_EQ(run.configuration, configuration::to_toml(recorded_walk().configuration, ""));
+}
+
 TEST(RecordFile, SolvesAndTicksThatComeTwiceAreTakenOnce) {
   const mcap::TemporaryFile file("twice");
   {
@@ -261,6 +284,25 @@ TEST(ReplayRun, WhatTheRecordLacksIsReported) {
               recorder.take(record::configuration_sample(kRun, "gait = 1"), 1);
             }).problem.find("the recorded configuration is refused by this program: "),
             std::string::npos);
+}
+
+TEST(ReplayRun, ADamagedRecordIsReplayedUntilKeysOfTunablesAreNeeded) {
+  const mcap::TemporaryFile file("damaged");
+  {
+    record::Recorder recorder(file.path(), {});
+    recorder.take(configuration_sample(kRun, recorded_walk().configuration), 1);
+    recorder.flush();
+    for (const auto& [number, values] : recorded_walk().live_values) {
+      recorder.take(tuning_sample(kRun, number, values), 1);
+    }
+    take_run(recorder, kRun);
+  }
+  ASSERT_TRUE(mcap::damage_first_chunk(file.path()));
+  const Outcome outcome = replay_run(file.path(), read_contents(file.path()).runs.at(0));
+  EXPECT_TRUE(outcome.problem.starts_with("tuning 1 of ")) << outcome.problem;
+  EXPECT_NE(outcome.problem.find(" has keys that are damaged in the record"), std::string::npos)
+      << outcome.problem;
+  EXPECT_GT(outcome.ticks, 0u);
 }
 
 TEST(ReplayRun, KeysThatWereRenamedSinceAreReadUnderTheirNewNames) {

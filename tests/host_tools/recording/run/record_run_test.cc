@@ -8,6 +8,7 @@
 #include <string>
 
 #include "host_tools/recording/record/recorder.h"
+#include "tests/host_tools/recording/mcap/sample_file.h"
 #include "tests/host_tools/recording/record_sample.h"
 #include "tests/own_folder.h"
 
@@ -111,6 +112,63 @@ TEST(RecordRun, TicksThatAreMissingInTheMiddleAreReported) {
   EXPECT_EQ(problems(0, 50), "");
   EXPECT_EQ(problems(1000, 1050), "") << "the recorder came later";
   EXPECT_EQ(problems(0, 2000), ": ticks 0 to 2049, missing: 50 to 1999; lines of plots go straight across");
+}
+
+TEST(RecordRun, AConfigurationInADamagedChunkIsReadFromTheAttachments) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("walk.mcap");
+  {
+    Recorder recorder(file, {});
+    recorder.take(configuration_sample(7, "[inequality]\nfriction_coefficient = 0.55\n",
+                                       telemetry::kWireVersion, "own.urdf", 5'000'000'000, long_urdf()),
+                  1);
+    recorder.flush();
+    recorder.take(ticks_sample(7, 100, 50), 3);
+    recorder.close();
+  }
+  ASSERT_TRUE(mcap::damage_first_chunk(file));
+  const RecordRun found = run_of_record(file);
+  EXPECT_EQ(found.problems.size(), 1U) << "the damage is reported";
+  EXPECT_EQ(found.run.robot.name, "own.urdf");
+  EXPECT_EQ(found.robot.thigh_length_m, kLongThigh_m);
+  EXPECT_EQ(found.run.friction_coefficient, 0.55);
+  EXPECT_NEAR(found.run.samples.at(0).time_s, 0.1, 1e-9) << "tick 0 is 100 ms before the first that is there";
+}
+
+TEST(RecordRun, AnAttachedConfigurationOfAnotherWireVersionIsRefused) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("walk.mcap");
+  {
+    Recorder recorder(file, {});
+    recorder.take(configuration_sample(7, "", telemetry::kWireVersion + 1), 1);
+    recorder.flush();
+    recorder.take(ticks_sample(7, 0, 50), 3);
+    recorder.close();
+  }
+  ASSERT_TRUE(mcap::damage_first_chunk(file));
+  EXPECT_THROW(static_cast<void>(run_of_record(file)), std::runtime_error);
+}
+
+TEST(RecordRun, WithoutConfigurationInADamagedRecordTheDamageIsTheReason) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("walk.mcap");
+  {
+    Recorder recorder(file, {});
+    recorder.take(event_sample(7, "up"), 1);
+    recorder.flush();
+    recorder.take(ticks_sample(7, 0, 50), 3);
+    recorder.close();
+  }
+  ASSERT_TRUE(mcap::damage_first_chunk(file));
+  try {
+    static_cast<void>(run_of_record(file));
+    ADD_FAILURE() << "accepted";
+  } catch (const std::runtime_error& error) {
+    const std::string sentence = error.what();
+    EXPECT_TRUE(sentence.starts_with(file + ": lacks the configuration of its run; ")) << sentence;
+    EXPECT_EQ(sentence.find("record from before"), std::string::npos) << sentence;
+    EXPECT_EQ(sentence.rfind(file), 0U) << sentence;
+  }
 }
 
 TEST(RecordRun, WithoutTicksOrConfigurationItIsRefused) {
