@@ -24,6 +24,7 @@ constexpr Rename kRenames[] = {
     {"supervisor", "older_plan_s", "plan_feedback_after_s"},
     {"supervisor", "frozen_ticks", "unchanged_replies_limit"},
     {"supervisor", "base_angle_limit_rad", "base_pitch_limit_rad"},
+    {"supervisor", "emergency_stop_damps_s", "damped_before_off_s"},
     {"base_sensor", "", "torso_sensor"},
 };
 

@@ -13,7 +13,7 @@ namespace stilt::program {
 class ServiceManager {
  public:
   explicit ServiceManager(const supervisor::SupervisorParameters& parameters) noexcept
-      : longest_stop_s_(2 * parameters.slow_down_s + parameters.sit_s + parameters.emergency_stop_damps_s +
+      : longest_stop_s_(2 * parameters.slow_down_s + parameters.sit_s + parameters.damped_before_off_s +
                         kStopMargin_s),
         longest_alone_s_(parameters.operator_gone_s + longest_stop_s_) {}
 

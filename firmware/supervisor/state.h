@@ -92,7 +92,7 @@ enum class Guard : std::uint8_t {
   ramping,        ///< it has not yet
   cannot_step,    ///< there is neither a plan recent enough nor a gait to step with
   slowed_down,    ///< stepped in place, or stood with both feet down, for long enough
-  damped,         ///< the joints were damped for emergency_stop_damps_s, or the motors are off
+  damped,         ///< the joints were damped for damped_before_off_s, or the motors are off
   causes_gone,    ///< a reset is under way, after damping, and no fault that latches is present
   none_latched,   ///< no fault waits for a reset
   fit_to_stand,   ///< nor does one, and the robot is in a pose to stand up from

@@ -307,7 +307,7 @@ Reaction Supervisor::reaction_of_level() const noexcept {
 
 /// In ready and fault: a robot that sat or fell is down, and its joints may go limp.
 bool Supervisor::was_damped() const noexcept {
-  return output_.level == FallbackLevel::off || since_s(damped_ns_) >= parameters_.emergency_stop_damps_s;
+  return output_.level == FallbackLevel::off || since_s(damped_ns_) >= parameters_.damped_before_off_s;
 }
 
 /// After an emergency stop the robot settles damped; then the motors need no power until a reset with the
@@ -315,7 +315,7 @@ bool Supervisor::was_damped() const noexcept {
 bool Supervisor::stopped_for_good() const noexcept {
   const bool resets = resetting_ && !output_.present.has(Fault::emergency_stop);
   return output_.state == State::fault && output_.latched.has(Fault::emergency_stop) && !resets &&
-         since_s(std::max(stopped_ns_, entered_ns_)) >= parameters_.emergency_stop_damps_s;
+         since_s(std::max(stopped_ns_, entered_ns_)) >= parameters_.damped_before_off_s;
 }
 
 void Supervisor::choose(const SupervisorInputs& inputs) noexcept {

@@ -133,7 +133,7 @@ RobotNow TelemetryNode::now() const {
 double TelemetryNode::damping_left_s() const {
   if (!supervisor::damps(newest_.state) || newest_.level == supervisor::FallbackLevel::off) return 0.0;
   const double damped_s = 1e-9 * static_cast<double>(newest_.time_ns - damped_ns_);
-  return std::max(0.0, configuration_.supervisor.emergency_stop_damps_s - damped_s);
+  return std::max(0.0, configuration_.supervisor.damped_before_off_s - damped_s);
 }
 
 void TelemetryNode::begin(const control_loop::TickRecord& record) {

@@ -4,7 +4,7 @@
 # That robot_right sends: two commands, two replies, two syncs; of an interface of its own the robot's half.
 : "${frames_per_tick:=6}"
 quick="--set runtime.start_settle_s=1.2 --set supervisor.stand_ramp_s=0.4 --set supervisor.slow_down_s=0.8 \
-  --set supervisor.emergency_stop_damps_s=0.5"
+  --set supervisor.damped_before_off_s=0.5"
 failed=0
 
 fail() {

@@ -31,7 +31,7 @@ class RecoveryRig {
   explicit RecoveryRig(configuration::DriverProtocol protocol)
       : buses_{hal::mock::MockBus(clock_), hal::mock::MockBus(clock_)} {
     configuration_ = configuration::load_robot("amber3m").value();
-    configuration_.supervisor.emergency_stop_damps_s = 0.5;  // thousands of cases wait for it
+    configuration_.supervisor.damped_before_off_s = 0.5;  // thousands of cases wait for it
     for (configuration::DriverParameters* driver :
          {&configuration_.hardware.hip, &configuration_.hardware.knee}) {
       driver->protocol = protocol;
@@ -153,7 +153,7 @@ class RecoveryRig {
   /// bus that is gone silences the emergency stop's channel, too.
   [[nodiscard]] bool reset() {
     const supervisor::SupervisorParameters& parameters = configuration_.supervisor;
-    run(static_cast<int>(1000 * parameters.emergency_stop_damps_s));
+    run(static_cast<int>(1000 * parameters.damped_before_off_s));
     ask(supervisor::RequestKind::reset);
     return reach(supervisor::State::idle, static_cast<int>(1000 * (parameters.reset_window_s + 0.1)));
   }

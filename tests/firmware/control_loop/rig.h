@@ -122,7 +122,7 @@ class Rig {
 
   /// Ticks until joints that are damped from now on may go limp.
   [[nodiscard]] int damped_ticks() const {
-    return static_cast<int>(std::lround(1000 * configuration.supervisor.emergency_stop_damps_s));
+    return static_cast<int>(std::lround(1000 * configuration.supervisor.damped_before_off_s));
   }
 
   /// The emergency stop ends what the robot does; then reset and bring-up.

@@ -20,7 +20,7 @@ using testing::Rig;
 class StandingUpTest : public ::testing::Test {
  protected:
   StandingUpTest() {
-    rig->configuration.supervisor.emergency_stop_damps_s = 0.02;  // a plan from before it has not ended
+    rig->configuration.supervisor.damped_before_off_s = 0.02;  // a plan from before it has not ended
     rig->cycle.configure(*rig->robot, rig->configuration, rig->configuration.supervisor);
   }
 

@@ -296,7 +296,7 @@ class MotionTest : public ::testing::Test {
     return states;
   }
 
-  Loop loop{Settings{.settings = {"supervisor.emergency_stop_damps_s=0.05"}}};
+  Loop loop{Settings{.settings = {"supervisor.damped_before_off_s=0.05"}}};
   Tick last;
 };
 

@@ -74,7 +74,7 @@ TEST_F(Listener, ReceivesAWatchdogThatWaitsUntilARobotWithoutHousekeepingHasSatD
   parameters.operator_gone_s = 30.0;
   parameters.slow_down_s = 1.5;
   parameters.sit_s = 2.0;
-  parameters.emergency_stop_damps_s = 3.0;
+  parameters.damped_before_off_s = 3.0;
   setenv("WATCHDOG_USEC", "10000000", 1);
   ServiceManager(parameters).notify(kSecond_ns, 250, "idle");
   EXPECT_EQ(received(), "READY=1\nWATCHDOG_USEC=43000000\nWATCHDOG=1\nSTATUS=idle\n") << "and 5 s to spare";
@@ -92,7 +92,7 @@ TEST_F(Listener, ReceivesOnceHowLongTheRobotMayNeedToSitDown) {
   supervisor::SupervisorParameters parameters;
   parameters.slow_down_s = 6.0;
   parameters.sit_s = 20.0;
-  parameters.emergency_stop_damps_s = 10.0;
+  parameters.damped_before_off_s = 10.0;
   ServiceManager service(parameters);
   service.notify_stop_asked();
   EXPECT_EQ(received(), "EXTEND_TIMEOUT_USEC=47000000") << "2 * 6 s + 20 s + 10 s, and 5 s to spare";

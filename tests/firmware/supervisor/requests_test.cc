@@ -35,7 +35,7 @@ TEST_F(SupervisorTest, AStandThatWasGivenUpLeavesSwitchingOff) {
   request(RequestKind::off);
   inputs_.in_stance = false;
   EXPECT_EQ(tick(), State::ready);
-  EXPECT_EQ(run(parameters_.emergency_stop_damps_s - 0.001), State::ready) << "the joints are damped first";
+  EXPECT_EQ(run(parameters_.damped_before_off_s - 0.001), State::ready) << "the joints are damped first";
   EXPECT_EQ(tick(), State::off);
 }
 
@@ -47,7 +47,7 @@ TEST_F(SupervisorTest, NothingStandsUpWhileTheProgramEnds) {
   EXPECT_FALSE(output().waits_to_stand);
   request(RequestKind::stand);
   EXPECT_EQ(run(0.5), State::ready);
-  EXPECT_EQ(run(parameters_.emergency_stop_damps_s), State::off);
+  EXPECT_EQ(run(parameters_.damped_before_off_s), State::off);
 }
 
 TEST_F(SupervisorTest, AStepThatWasAskedForTwiceIsMetOnce) {
@@ -65,7 +65,7 @@ TEST_F(SupervisorTest, NothingStepsOrWalksWhileTheProgramEnds) {
   bring_to_walk();
   inputs_.shut_down = true;
   const double longest_s =
-      2 * parameters_.slow_down_s + parameters_.sit_s + parameters_.emergency_stop_damps_s + 0.1;
+      2 * parameters_.slow_down_s + parameters_.sit_s + parameters_.damped_before_off_s + 0.1;
   for (double time_s = 0; time_s < longest_s; time_s += 0.1) {
     request(static_cast<int>(time_s * 10) % 2 == 0 ? RequestKind::walk : RequestKind::step, 0.5);
     EXPECT_NE(run(0.1), State::walk) << time_s;
@@ -77,9 +77,9 @@ TEST_F(SupervisorTest, AnEmergencyStopInTheStateFaultIsDampedAsLongAsInAnyOther)
   bring_to_walk();
   inputs_.seen.joints[2].fault = hal::DriverFault::over_current;
   ASSERT_EQ(tick(), State::fault);
-  run(2 * parameters_.emergency_stop_damps_s);
+  run(2 * parameters_.damped_before_off_s);
   inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
-  run(parameters_.emergency_stop_damps_s - 0.1);
+  run(parameters_.damped_before_off_s - 0.1);
   EXPECT_TRUE(only_damps());
   run(0.2);
   EXPECT_EQ(action_, Action::disable);

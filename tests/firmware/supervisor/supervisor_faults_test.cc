@@ -110,7 +110,7 @@ TEST_F(SupervisorTest, ARobotThatWasAskedToSitOrSwitchOffRestsAlsoWithoutItsHost
     EXPECT_EQ(run(0.1), State::step);
     inputs_.seen.heartbeat_age_s = 0.5;
     EXPECT_EQ(run(2 * parameters_.slow_down_s + 0.1), State::sit);
-    EXPECT_EQ(run(parameters_.sit_s + parameters_.emergency_stop_damps_s + 0.1), rest);
+    EXPECT_EQ(run(parameters_.sit_s + parameters_.damped_before_off_s + 0.1), rest);
   }
 }
 
@@ -232,7 +232,7 @@ TEST_F(SupervisorTest, CommandsThatAreNotFiniteNeverLeave) {
 }
 
 TEST_F(SupervisorTest, EveryLatchingFaultEndsInFaultWithoutAWayBack) {
-  parameters_.emergency_stop_damps_s = 100;  // then the motors are off, see AfterAnEmergencyStopItSettles
+  parameters_.damped_before_off_s = 100;  // then the motors are off, see AfterAnEmergencyStopItSettles
   for (const Spoil& spoil : kSpoils) {
     if (row(spoil.fault).severity != Severity::latched || row(spoil.fault).watch == Watch::bring_up) continue;
     SCOPED_TRACE(name(spoil.fault));

@@ -56,7 +56,7 @@ TEST_F(SupervisorTest, AfterAnEmergencyStopItSettlesAndThenTheMotorsAreOff) {
   bring_to_walk();
   inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
   EXPECT_EQ(tick(), State::fault);
-  EXPECT_EQ(run(parameters_.emergency_stop_damps_s - 0.1), State::fault);
+  EXPECT_EQ(run(parameters_.damped_before_off_s - 0.1), State::fault);
   EXPECT_TRUE(only_damps());
   EXPECT_EQ(run(0.2), State::fault);
   EXPECT_EQ(action_, Action::disable);
@@ -78,7 +78,7 @@ TEST_F(SupervisorTest, ALatchedFaultDampsUntilAResetWithTheCauseGone) {
   EXPECT_EQ(tick(), State::fault);
   EXPECT_TRUE(output().raised.has(Fault::driver_fault));
   EXPECT_TRUE(only_damps());
-  EXPECT_EQ(run(parameters_.emergency_stop_damps_s), State::fault);
+  EXPECT_EQ(run(parameters_.damped_before_off_s), State::fault);
   EXPECT_FALSE(output().raised.has(Fault::driver_fault)) << "raised once";
 
   request(RequestKind::reset);
@@ -101,7 +101,7 @@ TEST_F(SupervisorTest, ARejectedResetDampsAllAlong) {
   bring_to_walk();
   inputs_.seen.joints[2].motor_temperature_C = 20;
   inputs_.seen.joints[2].fault = hal::DriverFault::over_current;
-  run(parameters_.emergency_stop_damps_s);
+  run(parameters_.damped_before_off_s);
   request(RequestKind::reset);
   for (double time_s = 0; time_s < 2 * parameters_.reset_window_s; time_s += 1e-3) {
     ASSERT_EQ(tick(), State::fault);
@@ -112,7 +112,7 @@ TEST_F(SupervisorTest, ARejectedResetDampsAllAlong) {
 TEST_F(SupervisorTest, AResetGoesOnThroughTheFaultsThatDriversReportWhenTheirBusIsBack) {
   bring_to_walk();
   inputs_.seen.read_status = hal::JointBusStatus::bus_off;
-  run(parameters_.emergency_stop_damps_s + 0.1);
+  run(parameters_.damped_before_off_s + 0.1);
   request(RequestKind::reset);
   tick();
   inputs_.seen.read_status = hal::JointBusStatus::ok;
@@ -176,14 +176,14 @@ TEST_F(SupervisorTest, NothingMovesByItselfAfterAReset) {
   EXPECT_EQ(tick(), State::fault);
   inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
   request(RequestKind::reset);
-  EXPECT_EQ(run(parameters_.emergency_stop_damps_s + 0.01), State::idle);
+  EXPECT_EQ(run(parameters_.damped_before_off_s + 0.01), State::idle);
   EXPECT_EQ(run(5), State::idle);
 }
 
 TEST_F(SupervisorTest, AResetAfterAnEmergencyStopDampsWhileItLooksForOtherCauses) {
   bring_to_walk();
   inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
-  run(parameters_.emergency_stop_damps_s + 0.1);
+  run(parameters_.damped_before_off_s + 0.1);
   inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
   inputs_.seen.joints[1].missed_replies = 5000;  // silent without its power
   run(0.1);
@@ -205,7 +205,7 @@ TEST_F(SupervisorTest, ARobotThatFallsIsDampedBeforeAStopOrAResetTakesItsTorque)
     inputs_.seen.joints[2].fault = hal::DriverFault::none;
     inputs_.shut_down = kind == RequestKind::none;
     if (kind != RequestKind::none) request(kind);
-    for (double time_s = 0; time_s < parameters_.emergency_stop_damps_s - 0.0015; time_s += 1e-3) {
+    for (double time_s = 0; time_s < parameters_.damped_before_off_s - 0.0015; time_s += 1e-3) {
       ASSERT_EQ(tick(), State::fault) << time_s;
       ASSERT_TRUE(only_damps()) << time_s;
     }
@@ -216,14 +216,14 @@ TEST_F(SupervisorTest, ARobotThatFallsIsDampedBeforeAStopOrAResetTakesItsTorque)
 
 TEST_F(SupervisorTest, ARobotThatHasBeenDampedGoesOffAndIsResetAtOnce) {
   bring_to_ready();
-  run(parameters_.emergency_stop_damps_s);
+  run(parameters_.damped_before_off_s);
   request(RequestKind::off);
   EXPECT_EQ(tick(), State::off);
 
   for (const RequestKind kind : {RequestKind::off, RequestKind::reset}) {
     power_on();
     bring_to_ready();
-    run(parameters_.emergency_stop_damps_s);
+    run(parameters_.damped_before_off_s);
     inputs_.seen.joints[0].supply_V = 30;
     ASSERT_EQ(tick(), State::fault);
     inputs_.seen.joints[0].supply_V = 48;
@@ -257,7 +257,7 @@ TEST_F(SupervisorTest, NoFurtherFaultKeepsADampedRobotFromGoingOff) {
     inputs_.seen.joints[0].torque_Nm = 500;  // of the ground
     ASSERT_EQ(tick(), State::fault);
     inputs_.seen.joints[0].torque_Nm = 5;
-    EXPECT_EQ(run(parameters_.emergency_stop_damps_s), State::off) << in_ready;
+    EXPECT_EQ(run(parameters_.damped_before_off_s), State::off) << in_ready;
   }
 }
 

@@ -105,7 +105,7 @@ TEST_F(SupervisorTest, ShuttingDownSitsDampsAndDisables) {
   EXPECT_EQ(run(parameters_.slow_down_s - 0.001), State::stand) << "the swing foot has to come down first";
   EXPECT_EQ(tick(), State::sit);
   EXPECT_EQ(run(parameters_.sit_s), State::ready);
-  for (double time_s = 0; time_s < parameters_.emergency_stop_damps_s - 0.0015; time_s += 1e-3) {
+  for (double time_s = 0; time_s < parameters_.damped_before_off_s - 0.0015; time_s += 1e-3) {
     ASSERT_EQ(tick(), State::ready) << "its hip is still high: " << time_s;
     ASSERT_TRUE(only_damps());
   }
@@ -119,7 +119,7 @@ TEST_F(SupervisorTest, SwitchingOffWhileWalkingSitsDownFirst) {
   request(RequestKind::off);
   EXPECT_EQ(run(2 * parameters_.slow_down_s + 0.1), State::sit);
   EXPECT_EQ(run(parameters_.sit_s), State::ready);
-  EXPECT_EQ(run(parameters_.emergency_stop_damps_s), State::off);
+  EXPECT_EQ(run(parameters_.damped_before_off_s), State::off);
 }
 
 TEST_F(SupervisorTest, TorquesNeverExceedTheJoint) {
@@ -239,7 +239,7 @@ TEST_F(SupervisorTest, ARobotThatLeavesTheStandingPoseWhileItStandsUpIsDampedAnd
 TEST_F(SupervisorTest, RandomInputsNeverBreakTheRules) {
   constexpr unsigned kSeed = 20;
   std::mt19937 random(kSeed);
-  parameters_.emergency_stop_damps_s = 0.02;  // few requests to reset stand for longer
+  parameters_.damped_before_off_s = 0.02;  // few requests to reset stand for longer
   power_on();
   std::uniform_int_distribution<int> thing(0, 400);
   std::uniform_int_distribution<int> kind(0, static_cast<int>(RequestKind::reset));

@@ -252,7 +252,7 @@ TEST_F(SupervisorTest, AResetAskedForBeforeAFaultDoesNotResetIt) {
   inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
   EXPECT_EQ(tick(), State::fault);
   inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
-  EXPECT_EQ(run(parameters_.emergency_stop_damps_s + 1), State::fault);
+  EXPECT_EQ(run(parameters_.damped_before_off_s + 1), State::fault);
   request(RequestKind::reset);
   EXPECT_EQ(run(0.01), State::idle) << "asked for again";
 }
@@ -263,7 +263,7 @@ TEST_F(SupervisorTest, AResetDampsUntilTheFaultIsOverAndThenDisables) {
   tick();
   inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
   request(RequestKind::reset);
-  EXPECT_EQ(run(parameters_.emergency_stop_damps_s - 0.001), State::fault);
+  EXPECT_EQ(run(parameters_.damped_before_off_s - 0.001), State::fault);
   EXPECT_FALSE(output().clear_buses) << "the robot may still fall";
   EXPECT_EQ(tick(), State::fault);
   EXPECT_TRUE(only_damps());

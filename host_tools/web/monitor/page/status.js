@@ -16,7 +16,7 @@ const kLevelText = {
 /** What the robot does about a fault; `toml`: of the run, undefined where none is known. */
 function reactionText(fault, toml) {
   if (fault.name !== 'emergency_stop') return kReactionText[fault.reaction];
-  const damps_s = toml?.match(/^emergency_stop_damps_s = ([\d.e+-]+)/m)?.[1];
+  const damps_s = toml?.match(/^damped_before_off_s = ([\d.e+-]+)/m)?.[1];
   return `damps the joints${damps_s === undefined ? '' : ` for ${Number(damps_s)} s`}, then turns the motors off`;
 }
 

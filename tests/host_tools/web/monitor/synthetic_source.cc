@@ -340,7 +340,7 @@ void SyntheticSource::introduce(SampleSink& sink) {
   sample.run_id = run();
   sample.robot = "amber3m";
   sample.build = "a test";
-  sample.toml = "[inequality]\nfriction_coefficient = 0.6\n[supervisor]\nemergency_stop_damps_s = 3.0\n";
+  sample.toml = "[inequality]\nfriction_coefficient = 0.6\n[supervisor]\ndamped_before_off_s = 3.0\n";
   sample.tunables.push_back(
       {"gait.swing_height_m", "m", "Apex of the swing foot above the ground", 0.005, 0.3, swing_height_m_});
   sample.tunables.push_back(
