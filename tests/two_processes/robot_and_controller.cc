@@ -64,6 +64,11 @@ void RobotAndController::start_command(const std::vector<std::string>& command,
   start(program, options, input);
 }
 
+void RobotAndController::start_report(const std::vector<std::string>& options) {
+  controller_ = std::make_unique<Process>(words({STILTD_PROGRAM}, options), file("controller.out"),
+                                          file("controller.err"));
+}
+
 void RobotAndController::expect_both_to_end() {
   EXPECT_TRUE(controller_->wait(kLongestRun_s)) << "the controller hangs\n" << said();
   EXPECT_TRUE(robot_->wait(kLongestRun_s)) << "the robot hangs\n" << said();

@@ -30,6 +30,9 @@ class RobotAndController {
   void start_command(const std::vector<std::string>& command, const std::vector<std::string>& options,
                      const std::string& input = "");
 
+  /// A report on the configuration there, which takes no option of a run.
+  void start_report(const std::vector<std::string>& options);
+
   [[nodiscard]] Process& robot() { return *robot_; }
   [[nodiscard]] Process& controller() { return *controller_; }
 
