@@ -38,7 +38,8 @@ std::expected<void, std::string> check_options_of_reports(const CLI::App& app) {
       const bool taken = name == report || is_one_of(name, kChoosing) ||
                          (report == "--check-config" && is_one_of(name, kChecked));
       if (option->count() > 0 && !taken) {
-        return std::unexpected(name + ": has no meaning with " + report + "; leave it out");
+        return std::unexpected(std::string(name).append(": has no meaning with ").append(report) +
+                               "; leave it out");
       }
     }
   }
