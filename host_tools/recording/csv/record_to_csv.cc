@@ -136,7 +136,8 @@ class TopicTables {
     written.files.insert(written.files.end(), paths_.begin(), paths_.end());
     for (const auto& [topic, defect] : defects_) {
       const char* left_out = tables_.contains(topic) ? "; such messages are left out" : "; it is left out";
-      written.problems.push_back(record + ": topic " + topic + ": " + defect + left_out);
+      written.problems.push_back(
+          std::string(record).append(": topic ").append(topic).append(": ").append(defect).append(left_out));
     }
   }
 
