@@ -82,7 +82,7 @@ TEST(LiveView, ARefusalWithoutProofIsShownAsOneAndTheRobotsOwnReplyStillCounts) 
     EXPECT_FALSE(reply["accepted"]);
   }
   EXPECT_EQ(replies[0]["reason"], "the robot is tired");
-  EXPECT_EQ(source.heartbeats(), 0) << "nobody's acceptance";
+  EXPECT_EQ(source.heartbeats(), 0) << "no page is accepted";
   source.answers = true;
   view.step(0.3);
   view.step(0.4);
