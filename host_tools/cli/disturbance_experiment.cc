@@ -74,8 +74,12 @@ std::vector<RowChoice> rows_of_options(const ExperimentOptions& options) {
   return rows;
 }
 
-std::vector<RowChoice> rows_of(const ExperimentOptions& options) {
-  if (options.rows_file.empty()) return rows_of_options(options);
+std::vector<RowChoice> rows_of(ExperimentOptions options) {
+  constexpr double kHorizonOfQuick_s = 0.5;
+  if (options.rows_file.empty()) {
+    if (options.quick && options.horizons_s.empty()) options.horizons_s = {kHorizonOfQuick_s};
+    return rows_of_options(options);
+  }
   if (!options.controllers.empty() || !options.horizons_s.empty()) {
     throw UsageError("--rows " + options.rows_file +
                      ": its rows name controller and horizon; leave --controller and --horizon out");
@@ -168,25 +172,18 @@ void add_disturbance_options(CLI::App& command, ExperimentOptions& options) {
       ->capture_default_str();
 }
 
-experiments::DisturbancePlan plan_of_rows(const std::string& rows_file) {
+experiments::DisturbancePlan disturbance_plan(const ExperimentOptions& options) {
   DisturbancePlan plan;
-  for (const RowChoice& choice : read_rows(rows_file, defaults_of({}))) plan.rows.push_back(push_row(choice));
+  for (const RowChoice& choice : rows_of(options)) plan.rows.push_back(push_row(choice));
+  if (options.quick) cut_to_quick(plan);
   return plan;
 }
 
-int run_disturbance(ExperimentOptions options, const std::vector<std::string>& arguments) {
-  constexpr double kHorizonOfQuick_s = 0.5;
+int run_disturbance(const ExperimentOptions& options, const std::vector<std::string>& arguments) {
   (void)walk_runner(options.setting);  // reports errors of the settings before anything runs
-  if (options.quick && options.rows_file.empty() && options.horizons_s.empty()) {
-    options.horizons_s = {kHorizonOfQuick_s};
-  }
-  DisturbancePlan plan;
+  const DisturbancePlan plan = disturbance_plan(options);
   std::map<std::string, std::string> parts;
-  for (const RowChoice& choice : rows_of(options)) {
-    plan.rows.push_back(push_row(choice));
-    parts.emplace(choice.name, dependencies_of(choice));
-  }
-  if (options.quick) cut_to_quick(plan);
+  for (const RowChoice& choice : rows_of(options)) parts.emplace(choice.name, dependencies_of(choice));
   return run_jobs(
       options, arguments, settings_json(options, "disturbance", parts), disturbance_jobs(plan),
       [&](const std::vector<Json>& results) { return merge_disturbance(plan, results); },

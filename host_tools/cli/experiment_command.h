@@ -45,6 +45,7 @@ struct ExperimentOptions {
   double friction_Nm = 5.0;
   // Options of paired, with the seed of robustness.
   int cases = 64;
+  std::vector<std::string> pushes;  ///< of --push; empty: the usual ones
   // Options of frequency.
   int problems = 500;
 };

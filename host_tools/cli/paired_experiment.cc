@@ -1,9 +1,11 @@
 #include "host_tools/cli/paired_experiment.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "host_tools/cli/experiment_jobs.h"
+#include "host_tools/cli/usage_error.h"
 #include "host_tools/simulation/plant/number.h"
 
 namespace stilt::cli {
@@ -15,6 +17,7 @@ using experiments::PairedPush;
 
 constexpr double kUsualHorizon_s = 1.0;
 constexpr int kCasesOfQuick = 2;
+constexpr double kLargestPush_N = 1000.0;
 
 struct Variant {
   const char* name;
@@ -31,15 +34,35 @@ constexpr Variant kVariants[] = {{"rate_100_gains_off", 100.0, 0.005, "estimated
 constexpr experiments::PairedComparison kComparisons[] = {{1, 2}, {2, 3}, {1, 3}, {3, 4}, {0, 1}};
 
 struct Push {
-  const char* name;
+  std::string name;
   double force_N;
-  const char* point;
+  std::string point;
 };
+
 /// Near the limits of docs/results.md, where a difference shows.
-constexpr Push kPushes[] = {{"hip_175N", 175.0, "hip"},
-                            {"hip_-147N", -147.0, "hip"},
-                            {"torso_100N", 100.0, "torso"},
-                            {"torso_-98N", -98.0, "torso"}};
+const std::vector<std::string> kUsualPushes = {"hip:175", "hip:-147", "torso:100", "torso:-98"};
+
+/// A push POINT:FORCE of --push. Throws UsageError, one sentence.
+Push parsed_push(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const std::string point = text.substr(0, colon);
+  const auto force_N = simulation::parse_number(colon == std::string::npos ? "" : text.substr(colon + 1));
+  if ((point != "hip" && point != "torso") || !force_N || std::abs(*force_N) > kLargestPush_N) {
+    throw UsageError("--push " + text +
+                     ": must be POINT:FORCE, hip or torso and -1000 to 1000 N, as hip:175");
+  }
+  return {point + "_" + simulation::number_text(*force_N) + "N", *force_N, point};
+}
+
+std::vector<Push> pushes_of(const ExperimentOptions& options) {
+  std::vector<Push> pushes;
+  for (const std::string& text : options.pushes.empty() ? kUsualPushes : options.pushes) {
+    pushes.push_back(parsed_push(text));
+    const auto same = [&](const Push& push) { return push.name == pushes.back().name; };
+    if (std::ranges::count_if(pushes, same) > 1) throw UsageError("--push " + text + ": is given twice");
+  }
+  return pushes;
+}
 
 WalkSetting setting_of(const WalkSetting& common, const Variant& variant, const Push& push) {
   WalkSetting setting = common;
@@ -60,6 +83,13 @@ void add_paired_options(CLI::App& command, ExperimentOptions& options) {
   command.add_option("--seed", options.seed, "seed of phases and noise")
       ->check(CLI::Range(std::uint32_t{0}, std::numeric_limits<std::uint32_t>::max()))
       ->capture_default_str();
+  std::string usual;
+  for (const std::string& push : kUsualPushes) usual += " " + push;
+  command
+      .add_option(
+          "--push", options.pushes,
+          "push of 1 s, POINT:FORCE, hip or torso and N, positive forward; repeatable; default" + usual)
+      ->allow_extra_args(false);
   add_walk_options(command, options);
 }
 
@@ -78,7 +108,7 @@ PairedPlan paired_plan(const ExperimentOptions& options) {
                               {"state", variant.state},
                               {"gains", variant.gains}}});
   }
-  for (const Push& push : kPushes) {
+  for (const Push& push : pushes_of(options)) {
     PairedPush paired{push.name, push.force_N, push.point, {}};
     for (const Variant& variant : kVariants) {
       paired.walk.push_back(walk_runner(setting_of(common, variant, push)));
@@ -93,7 +123,7 @@ int run_paired(const ExperimentOptions& options, const std::vector<std::string>&
   const PairedPlan plan = paired_plan(options);
   const WalkSetting common = setting_for(options.setting, plan.controller);
   std::string dependencies;
-  for (const Push& push : kPushes) {
+  for (const Push& push : pushes_of(options)) {
     for (const Variant& variant : kVariants) {
       dependencies += dependencies_text(setting_of(common, variant, push), plan.controller, plan.horizon_s) +
                       simulation::number_text(push.force_N) + "\n";

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "host_tools/cli/disturbance_experiment.h"
 #include "host_tools/experiments/push_row.h"
+#include "tests/closed_loop/published_plan.h"
 #include "tests/closed_loop/published_results.h"
 
 /// Guards of the published pushes. Of each row of docs/results the two worst cases survive 85 % of the
@@ -19,9 +21,16 @@ using testing_support::kGuardedShare;
 using testing_support::kSameSpeed_m_s;
 using testing_support::results_of;
 
-constexpr const char* kTables[] = {"pushes",  "pushes_short", "directions", "motors",
-                                   "changes", "motors_short", "paper",      "realism",
-                                   "rabbit",  "terminal",     "tuning",     "rates"};
+constexpr const char* kTables[] = {"pushes",       "pushes_short", "directions", "motors",
+                                   "motors_short", "rates",        "paper",      "changes",
+                                   "realism",      "rabbit",       "terminal",   "tuning"};
+
+/// The experiment of the command that made a table.
+DisturbancePlan plan_of(const std::string& table) {
+  cli::ExperimentOptions options = testing_support::published_options(table);
+  options.rows_file = STILT_RESULTS "/" + std::filesystem::path(options.rows_file).filename().string();
+  return cli::disturbance_plan(options);
+}
 
 struct PublishedRow {
   std::string table;
@@ -51,14 +60,12 @@ TEST(PublishedTables, HaveResults) {
 /// What is guarded is what was measured: today's rows and defaults are those of the results.
 TEST(PublishedTables, HaveTheConditionsOfTheirRows) {
   for (const char* table : kTables) {
-    const DisturbancePlan plan = cli::plan_of_rows(STILT_RESULTS "/" + std::string(table) + ".toml");
+    const DisturbancePlan plan = plan_of(table);
     const Json results = results_of(table);
     ASSERT_EQ(results.at("rows").size(), plan.rows.size()) << table;
     for (std::size_t i = 0; i < plan.rows.size(); ++i) {
       const Json& published = results.at("rows")[i];
-      PushRow row = plan.rows[i];
-      row.phases = published.at("phases").get<int>();
-      row.seeds = published.at("seeds").get<int>();
+      const PushRow& row = plan.rows[i];
       const Json conditions = described(plan, row);
       for (const auto& [field, value] : conditions.items()) {
         EXPECT_EQ(published.at(field), value) << table << ", " << row.name << ": " << field;
@@ -69,13 +76,11 @@ TEST(PublishedTables, HaveTheConditionsOfTheirRows) {
 
 class PublishedPushes : public ::testing::TestWithParam<PublishedRow> {
  protected:
-  PublishedPushes() : plan_(cli::plan_of_rows(STILT_RESULTS "/" + GetParam().table + ".toml")) {
+  PublishedPushes() : plan_(plan_of(GetParam().table)) {
     const auto named =
         std::ranges::find(plan_.rows, GetParam().figures.at("name").get<std::string>(), &PushRow::name);
     if (named == plan_.rows.end()) throw std::runtime_error("the table has no such row any more");
     row_ = *named;
-    row_.phases = GetParam().figures.at("phases").get<int>();
-    row_.seeds = GetParam().figures.at("seeds").get<int>();
   }
 
   DisturbancePlan plan_;

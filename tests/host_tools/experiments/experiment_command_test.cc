@@ -249,6 +249,30 @@ TEST_F(ExperimentCommand, PairedComparesTheVariantsOnTheSamePushes) {
   EXPECT_TRUE(result.at("settings").contains("commit"));
 }
 
+TEST_F(ExperimentCommand, PairedTakesOtherPushes) {
+  const std::string to = " --out " + file("results") + " --json " + file("json");
+  const Outcome outcome = run("paired --quick --cases 1 --push torso:-300 --push hip:20" + to);
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const Json rows = json().at("rows");
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].at("push"), "torso_-300N");
+  EXPECT_EQ(rows[0].at("force_N"), -300.0);
+  EXPECT_EQ(rows[0].at("point"), "torso");
+  EXPECT_EQ(rows[1].at("push"), "hip_20N");
+  for (const auto& [variant, survived] : rows[0].at("survived").items()) EXPECT_EQ(survived, 0) << variant;
+  for (const auto& [variant, survived] : rows[1].at("survived").items()) EXPECT_EQ(survived, 1) << variant;
+  for (const char* wrong : {"hip", "knee:20", "hip:", "hip:1001", "hip:nan", "hip:20N"}) {
+    const Outcome refused = run(std::string("paired --push ").append(wrong) + to);
+    EXPECT_EQ(refused.status, 2) << wrong;
+    EXPECT_NE(refused.errors.find(std::string("--push ").append(wrong) + ": must be POINT:FORCE"),
+              std::string::npos)
+        << refused.errors;
+  }
+  const Outcome twice = run("paired --push hip:20 --push hip:20.0" + to);
+  EXPECT_EQ(twice.status, 2);
+  EXPECT_NE(twice.errors.find("--push hip:20.0: is given twice"), std::string::npos) << twice.errors;
+}
+
 TEST_F(ExperimentCommand, LimitsGivesTheFieldsOfItsContract) {
   const Outcome outcome =
       run("limits --quick --horizon 0.5 --quantity step_down --quantity friction --quantity commands --out " +
