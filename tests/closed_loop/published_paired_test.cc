@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <ostream>
 #include <string>
@@ -9,63 +11,81 @@
 #include "tests/closed_loop/published_plan.h"
 #include "tests/closed_loop/published_results.h"
 
-/// The paired pushes of docs/results/paired.json. A variant that survived half of the cases of a push
-/// survives three of these cases at 85 % of the force.
+/// The paired pushes of docs/results, with the shipped and with weaker motors. A variant that survived half
+/// of the cases of a push survives three of these cases at 85 % of the force.
 namespace stilt::experiments {
 namespace {
 
 using testing_support::kGuardedShare;
 using testing_support::results_of;
 
-/// Numbers of a push and of a variant in the plan.
+constexpr const char* kTables[] = {"paired", "paired_motors"};
+
+/// Numbers of a push and of a variant in the plan of a table.
 struct Survived {
+  std::string table;
   std::size_t push, variant;
   std::string name;
 
   friend std::ostream& operator<<(std::ostream& stream, const Survived& one) { return stream << one.name; }
 };
 
-PairedPlan plan() { return cli::paired_plan(testing_support::published_options("paired")); }
+PairedPlan plan_of(const std::string& table) {
+  return cli::paired_plan(testing_support::published_options(table));
+}
 
-std::vector<Survived> survived_in_half_the_cases() {
-  const PairedPlan paired = plan();
-  const Json results = results_of("paired");
+std::vector<Survived> survived_in_half_the_cases(const std::string& table) {
+  const PairedPlan paired = plan_of(table);
+  const Json results = results_of(table);
   std::vector<Survived> all;
   for (std::size_t p = 0; p < paired.pushes.size() && p < results.at("rows").size(); ++p) {
     for (std::size_t v = 0; v < paired.variants.size(); ++v) {
       const Json count = results.at("rows")[p].at("survived").value(paired.variants[v].name, Json());
       if (!count.is_number() || 2 * count.get<int>() < results.at("cases").get<int>()) continue;
-      all.push_back(
-          {p, v, testing_support::test_name(paired.pushes[p].name + "_" + paired.variants[v].name)});
+      const std::string name = table + "_" + paired.pushes[p].name + "_" + paired.variants[v].name;
+      all.push_back({table, p, v, testing_support::test_name(name)});
     }
   }
   return all;
 }
 
+std::vector<Survived> all_survived_in_half_the_cases() {
+  std::vector<Survived> all;
+  for (const char* table : kTables)
+    std::ranges::move(survived_in_half_the_cases(table), std::back_inserter(all));
+  return all;
+}
+
 TEST(PublishedTables, HaveResultsOfThePairedPushes) {
-  EXPECT_EQ(results_of("paired").at("rows").size(), plan().pushes.size());
-  EXPECT_EQ(survived_in_half_the_cases().size(), 12u);
+  for (const char* table : kTables) {
+    EXPECT_EQ(results_of(table).at("rows").size(), plan_of(table).pushes.size()) << table;
+  }
+  EXPECT_EQ(survived_in_half_the_cases("paired").size(), 12u);
+  EXPECT_EQ(survived_in_half_the_cases("paired_motors").size(), 12u);
 }
 
 /// What is guarded is what was measured.
 TEST(PublishedTables, HaveTheConditionsOfThePairedPushes) {
-  PairedPlan today = cli::paired_plan(testing_support::published_options("paired"));
-  for (PairedPush& push : today.pushes) {
-    for (WalkRunner& walk : push.walk) walk = testing_support::no_walk;
+  for (const char* table : kTables) {
+    SCOPED_TRACE(table);
+    PairedPlan today = plan_of(table);
+    for (PairedPush& push : today.pushes) {
+      for (WalkRunner& walk : push.walk) walk = testing_support::no_walk;
+    }
+    const Json merged = merge_paired(today, testing_support::results_without_walks(paired_jobs(today)));
+    const Json published = results_of(table);
+    testing_support::expect_published(merged, published,
+                                      {"controller", "horizon_s", "speed_m_s", "cases", "seed", "variants"});
+    testing_support::expect_each_published(merged.at("rows"), published.at("rows"),
+                                           {"push", "force_N", "point"});
+    testing_support::expect_each_published(merged.at("comparisons"), published.at("comparisons"),
+                                           {"from", "to", "cases"});
   }
-  const Json merged = merge_paired(today, testing_support::results_without_walks(paired_jobs(today)));
-  const Json published = results_of("paired");
-  testing_support::expect_published(merged, published,
-                                    {"controller", "horizon_s", "speed_m_s", "cases", "seed", "variants"});
-  testing_support::expect_each_published(merged.at("rows"), published.at("rows"),
-                                         {"push", "force_N", "point"});
-  testing_support::expect_each_published(merged.at("comparisons"), published.at("comparisons"),
-                                         {"from", "to", "cases"});
 }
 
 /// Half a second each: a setting that does not arrive would give two runs the same figures.
 TEST(PairedExperiment, EveryVariantAndPointOfAPushIsAWalkOfItsOwn) {
-  const PairedPlan paired = plan();
+  const PairedPlan paired = plan_of("paired");
   WalkCase walk;
   walk.duration_s = 0.5;
   walk.push_N = 60.0;
@@ -85,7 +105,7 @@ class PublishedPairs : public ::testing::TestWithParam<Survived> {};
 
 TEST_P(PublishedPairs, AreSurvivedAtTheGuardedShareOfTheForce) {
   constexpr int kGuardedCases = 3;
-  PairedPlan paired = plan();
+  const PairedPlan paired = plan_of(GetParam().table);
   PairedPush push = paired.pushes[GetParam().push];
   push.force_N *= kGuardedShare;
   for (int number = 0; number < kGuardedCases; ++number) {
@@ -95,7 +115,7 @@ TEST_P(PublishedPairs, AreSurvivedAtTheGuardedShareOfTheForce) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedPairs, ::testing::ValuesIn(survived_in_half_the_cases()),
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedPairs, ::testing::ValuesIn(all_survived_in_half_the_cases()),
                          [](const auto& row) { return row.param.name; });
 
 }  // namespace

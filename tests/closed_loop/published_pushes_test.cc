@@ -21,9 +21,11 @@ using testing_support::kGuardedShare;
 using testing_support::kSameSpeed_m_s;
 using testing_support::results_of;
 
-constexpr const char* kTables[] = {"pushes",       "pushes_short", "directions", "motors",
-                                   "motors_short", "rates",        "paper",      "changes",
-                                   "realism",      "rabbit",       "terminal",   "tuning"};
+constexpr const char* kTables[] = {"pushes", "pushes_short", "directions", "motors", "motors_short", "rates",
+                                   "paper", "changes", "realism", "rabbit", "terminal", "tuning",
+                                   // with weaker motors
+                                   "rates_motors", "paper_motors", "changes_motors", "rabbit_motors",
+                                   "terminal_motors", "tuning_motors"};
 
 /// The experiment of the command that made a table.
 DisturbancePlan plan_of(const std::string& table) {

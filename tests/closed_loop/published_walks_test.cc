@@ -35,8 +35,10 @@ struct Published {
 };
 
 /// Of what is survived unannounced.
-constexpr const char* kLimitTables[] = {"limits", "limits_seeds", "limits_steps", "limits_motors",
-                                        "limits_motors_seeds"};
+constexpr const char* kLimitTables[] = {"limits",        "limits_seeds",        "limits_steps",
+                                        "limits_motors", "limits_motors_seeds", "limits_steps_motors"};
+constexpr const char* kHorizonTables[] = {"horizons", "horizons_motors"};
+constexpr const char* kSpeedTables[] = {"speeds", "speeds_motors"};
 
 cli::WalkSetting setting_of(const Json& settings) {
   cli::WalkSetting setting;
@@ -60,8 +62,8 @@ std::string test_name(const ::testing::TestParamInfo<Published>& test) {
 
 TEST(PublishedTables, HaveResults) {
   for (const char* table : kLimitTables) EXPECT_FALSE(results_of(table).at("rows").empty()) << table;
-  EXPECT_FALSE(results_of("horizons").at("rows").empty());
-  EXPECT_FALSE(results_of("speeds").at("rows").empty());
+  for (const char* table : kHorizonTables) EXPECT_FALSE(results_of(table).at("rows").empty()) << table;
+  for (const char* table : kSpeedTables) EXPECT_FALSE(results_of(table).at("rows").empty()) << table;
 }
 
 /// What is guarded is what was measured, in the limits and in the sequences.
@@ -87,24 +89,30 @@ TEST(PublishedTables, HaveTheConditionsOfTheLimits) {
 }
 
 TEST(PublishedTables, HaveTheConditionsOfTheHorizons) {
-  const HorizonPlan today = cli::horizon_plan(testing_support::published_options("horizons"));
-  const auto jobs = horizon_jobs(today, testing_support::no_walk);
-  const Json merged = merge_horizons(today, testing_support::results_without_walks(jobs));
-  const Json published = results_of("horizons");
-  testing_support::expect_each_published(merged.at("rows"), published.at("rows"),
-                                         {"controller", "commanded_speed_m_s", "duration_s", "seeds"});
-  for (std::size_t i = 0; i < published.at("rows").size(); ++i) {
-    testing_support::expect_each_published(merged.at("rows").at(i).at("tried"),
-                                           published.at("rows").at(i).at("tried"), {"horizon_s"});
+  for (const char* table : kHorizonTables) {
+    SCOPED_TRACE(table);
+    const HorizonPlan today = cli::horizon_plan(testing_support::published_options(table));
+    const auto jobs = horizon_jobs(today, testing_support::no_walk);
+    const Json merged = merge_horizons(today, testing_support::results_without_walks(jobs));
+    const Json published = results_of(table);
+    testing_support::expect_each_published(merged.at("rows"), published.at("rows"),
+                                           {"controller", "commanded_speed_m_s", "duration_s", "seeds"});
+    for (std::size_t i = 0; i < published.at("rows").size(); ++i) {
+      testing_support::expect_each_published(merged.at("rows").at(i).at("tried"),
+                                             published.at("rows").at(i).at("tried"), {"horizon_s"});
+    }
   }
 }
 
 TEST(PublishedTables, HaveTheConditionsOfTheSpeeds) {
-  const SpeedPlan today = cli::speed_plan(testing_support::published_options("speeds"));
-  const auto jobs = speed_jobs(today, testing_support::no_walk);
-  const Json merged = merge_speeds(testing_support::results_without_walks(jobs));
-  testing_support::expect_each_published(merged.at("rows"), results_of("speeds").at("rows"),
-                                         {"controller", "horizon_s", "duration_s", "speed_m_s"});
+  for (const char* table : kSpeedTables) {
+    SCOPED_TRACE(table);
+    const SpeedPlan today = cli::speed_plan(testing_support::published_options(table));
+    const auto jobs = speed_jobs(today, testing_support::no_walk);
+    const Json merged = merge_speeds(testing_support::results_without_walks(jobs));
+    testing_support::expect_each_published(merged.at("rows"), results_of(table).at("rows"),
+                                           {"controller", "horizon_s", "duration_s", "speed_m_s"});
+  }
 }
 
 std::vector<Published> published_limits() {
@@ -194,18 +202,20 @@ INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedSequences, ::testing::ValuesIn(pub
 
 std::vector<Published> published_horizons() {
   std::vector<Published> rows;
-  const Json json = results_of("horizons");
-  for (const Json& row : json.at("rows")) {
-    Json shorter_s = nullptr;
-    for (const Json& tried : row.at("tried")) {
-      const Json next_shorter_s = std::exchange(shorter_s, tried.at("horizon_s"));
-      if (row.at("shortest_horizon_s") != tried.at("horizon_s")) continue;
-      Json figures = tried;
-      figures["next_shorter_s"] = next_shorter_s;
-      figures["duration_s"] = row.at("duration_s");
-      figures["commanded_speed_m_s"] = row.at("commanded_speed_m_s");
-      figures["controller"] = row.at("controller");
-      rows.push_back({row.at("controller").get<std::string>(), figures, json.at("settings")});
+  for (const std::string table : kHorizonTables) {
+    const Json json = results_of(table);
+    for (const Json& row : json.at("rows")) {
+      Json shorter_s = nullptr;
+      for (const Json& tried : row.at("tried")) {
+        const Json next_shorter_s = std::exchange(shorter_s, tried.at("horizon_s"));
+        if (row.at("shortest_horizon_s") != tried.at("horizon_s")) continue;
+        Json figures = tried;
+        figures["next_shorter_s"] = next_shorter_s;
+        for (const char* field : {"duration_s", "commanded_speed_m_s", "controller"}) {
+          figures[field] = row.at(field);
+        }
+        rows.push_back({table + "_" + row.at("controller").get<std::string>(), figures, json.at("settings")});
+      }
     }
   }
   return rows;
@@ -233,9 +243,11 @@ INSTANTIATE_TEST_SUITE_P(ClosedLoop, PublishedHorizons, ::testing::ValuesIn(publ
 
 std::vector<Published> published_speeds() {
   std::vector<Published> rows;
-  const Json json = results_of("speeds");
-  for (const Json& row : json.at("rows")) {
-    rows.push_back({"speed_" + row.at("speed_m_s").dump(), row, json.at("settings")});
+  for (const std::string table : kSpeedTables) {
+    const Json json = results_of(table);
+    for (const Json& row : json.at("rows")) {
+      rows.push_back({table + "_" + row.at("speed_m_s").dump(), row, json.at("settings")});
+    }
   }
   return rows;
 }

@@ -15,6 +15,8 @@ namespace {
 
 using testing_support::results_of;
 
+constexpr const char* kTables[] = {"robustness", "robustness_motors"};
+
 /// By names, because the published order is that of the correlations.
 Json by(const char* key, const Json& list) {
   auto sorted = list.get<std::vector<Json>>();
@@ -25,32 +27,38 @@ Json by(const char* key, const Json& list) {
 
 /// What is guarded is what was measured: quantities, their ranges, and robots and commands of the worst runs.
 TEST(PublishedTables, HaveTheConditionsOfTheRandomRobots) {
-  const Json published = results_of("robustness");
-  RobustnessPlan today = cli::robustness_plan(testing_support::published_options("robustness"));
-  const auto jobs = robustness_jobs(today, testing_support::no_walk);
-  today.worst = today.runs;
-  const Json merged = merge_robustness(today, testing_support::results_without_walks(jobs));
-  testing_support::expect_published(merged, published,
-                                    {"controller", "horizon_s", "speed_m_s", "force_N", "seed", "runs"});
-  testing_support::expect_each_published(by("name", merged.at("quantities")),
-                                         by("name", published.at("quantities")),
-                                         {"name", "words", "unit", "low", "high", "nominal"});
-  EXPECT_EQ(published.at("worst").size(), 10u);
-  const Json runs = by("run", merged.at("worst"));
-  for (const Json& worst : published.at("worst")) {
-    testing_support::expect_published(runs.at(worst.at("run").get<std::size_t>()), worst,
-                                      {"run", "seed", "changes", "command", "page"});
+  for (const char* table : kTables) {
+    SCOPED_TRACE(table);
+    const Json published = results_of(table);
+    RobustnessPlan today = cli::robustness_plan(testing_support::published_options(table));
+    const auto jobs = robustness_jobs(today, testing_support::no_walk);
+    today.worst = today.runs;
+    const Json merged = merge_robustness(today, testing_support::results_without_walks(jobs));
+    testing_support::expect_published(merged, published,
+                                      {"controller", "horizon_s", "speed_m_s", "force_N", "seed", "runs"});
+    testing_support::expect_each_published(by("name", merged.at("quantities")),
+                                           by("name", published.at("quantities")),
+                                           {"name", "words", "unit", "low", "high", "nominal"});
+    EXPECT_EQ(published.at("worst").size(), 10u);
+    const Json runs = by("run", merged.at("worst"));
+    for (const Json& worst : published.at("worst")) {
+      testing_support::expect_published(runs.at(worst.at("run").get<std::size_t>()), worst,
+                                        {"run", "seed", "changes", "command", "page"});
+    }
   }
 }
 
 TEST(PublishedRobots, TheTwoWithTheSmallestMarginsSurviveAgain) {
-  const cli::ExperimentOptions options = testing_support::published_options("robustness");
-  const auto jobs = robustness_jobs(cli::robustness_plan(options), cli::walk_runner(options.setting));
-  const Json published = results_of("robustness").at("worst");
-  for (std::size_t place = 0; place < 2; ++place) {
-    const Json result = jobs.at(published.at(place).at("run").get<std::size_t>()).run();
-    EXPECT_EQ(result.at("survived"), published.at(place).at("survived"))
-        << "falls at " << result.at("fall_time_s") << " s: " << result.at("command").get<std::string>();
+  for (const char* table : kTables) {
+    SCOPED_TRACE(table);
+    const cli::ExperimentOptions options = testing_support::published_options(table);
+    const auto jobs = robustness_jobs(cli::robustness_plan(options), cli::walk_runner(options.setting));
+    const Json published = results_of(table).at("worst");
+    for (std::size_t place = 0; place < 2; ++place) {
+      const Json result = jobs.at(published.at(place).at("run").get<std::size_t>()).run();
+      EXPECT_EQ(result.at("survived"), published.at(place).at("survived"))
+          << "falls at " << result.at("fall_time_s") << " s: " << result.at("command").get<std::string>();
+    }
   }
 }
 
