@@ -2,7 +2,8 @@
 #
 #   cmake -DROOT=FOLDER -DOUTPUT=FILE -P commit.cmake
 #
-# ROOT must be the root of the repository: sources unpacked inside another repository have no commit. Changed
+# ROOT must be the root of the repository: sources unpacked inside another repository have no commit. They are
+# "unknown-" and a hash of the product's files, so that folders of results tell two of them apart. Changed
 # documents and tests do not make a program dirty, because they are not part of it. The comment in the source is for
 # package_version.cmake. Its number grows with each commit: the package of a newer commit has a newer version. Behind
 # "dirty" stands when the newest changed file was written, in UTC: later changes have a newer version, too.
@@ -46,6 +47,23 @@ if(GIT AND EXISTS ${ROOT}/.git)
       string(APPEND in_version .dirty.${newest})
     endif()
   endif()
+endif()
+
+if(commit STREQUAL unknown)
+  set(product firmware mpc_core hal codegen host_tools toolchain/cmake)
+  list(TRANSFORM product PREPEND ${ROOT}/)
+  list(TRANSFORM product APPEND /*)
+  file(GLOB_RECURSE files RELATIVE ${ROOT} ${product})
+  list(FILTER files EXCLUDE REGEX "/node_modules/")
+  list(SORT files)
+  set(hashes "")
+  foreach(file IN LISTS files)
+    file(SHA256 ${ROOT}/${file} hash)
+    string(APPEND hashes "${hash} ${file}\n")
+  endforeach()
+  string(SHA256 hash "${hashes}")
+  string(SUBSTRING ${hash} 0 12 hash)
+  set(commit unknown-${hash})
 endif()
 
 set(source "#include \"firmware/version/commit.h\"
