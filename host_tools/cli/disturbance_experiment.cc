@@ -5,6 +5,7 @@
 
 #include "host_tools/cli/experiment_jobs.h"
 #include "host_tools/cli/experiment_rows.h"
+#include "host_tools/cli/json_output.h"
 #include "host_tools/cli/usage_error.h"
 #include "host_tools/experiments/disturbance.h"
 #include "host_tools/simulation/closed_loop/scenario.h"
@@ -183,7 +184,13 @@ int run_disturbance(const ExperimentOptions& options, const std::vector<std::str
   (void)walk_runner(options.setting);  // reports errors of the settings before anything runs
   const DisturbancePlan plan = disturbance_plan(options);
   std::map<std::string, std::string> parts;
-  for (const RowChoice& choice : rows_of(options)) parts.emplace(choice.name, dependencies_of(choice));
+  std::vector<std::string> inputs;
+  for (const RowChoice& choice : rows_of(options)) {
+    parts.emplace(choice.name, dependencies_of(choice));
+    const std::vector<std::string> files = files_read(choice.setting.choice);
+    inputs.insert(inputs.end(), files.begin(), files.end());
+  }
+  check_output_files({{"--json", options.json_file}}, inputs);
   return run_jobs(
       options, arguments, settings_json(options, "disturbance", parts), disturbance_jobs(plan),
       [&](const std::vector<Json>& results) { return merge_disturbance(plan, results); },

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <utility>
 
 #include "host_tools/cli/disturbance_experiment.h"
 #include "host_tools/cli/experiment_jobs.h"
@@ -193,7 +192,7 @@ int run_experiment(const CLI::App& experiment, ExperimentOptions options,
   if (experiment.got_subcommand("paired")) return run_paired(options, arguments);
   if (experiment.got_subcommand("friction")) return run_friction(options, arguments);
   if (experiment.got_subcommand("figures")) return run_figures(options);
-  return run_disturbance(std::move(options), arguments);
+  return run_disturbance(options, arguments);
 }
 
 }  // namespace stilt::cli

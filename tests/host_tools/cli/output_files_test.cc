@@ -66,8 +66,13 @@ TEST_F(CommandOutput, NoneIsAFileOfTheRobotOrAGaitThatTheCommandReads) {
   std::string of_own = gait;
   of_own.replace(of_own.find("\"amber3m\""), 9, "\"own.urdf\"");
   std::ofstream(file("own_gait.toml")) << of_own;
+  std::ofstream(file("rows.toml")) << "[[row]]\nname = \"a\"\nrobot = \"" << file("own.urdf") << "\"\n";
+  std::ofstream(file("gait_rows.toml"))
+      << "[[row]]\nname = \"a\"\ncontroller = \"mpc-hzd\"\ngaits = \"" << file("gl") << "\"\n";
   for (const char* arguments :
-       {"report @in.csv --robot @own.urdf --out @own.urdf", "gait check @own_gait.toml --json @own.urdf",
+       {"experiment disturbance --out @jobs --rows @rows.toml --json @own.urdf",
+        "experiment disturbance --out @jobs --rows @gait_rows.toml --json @gl/one.toml",
+        "report @in.csv --robot @own.urdf --out @own.urdf", "gait check @own_gait.toml --json @own.urdf",
         "gait show @own_gait.toml --report @own.urdf", "gait complete @own_gait.toml --out @own.urdf",
         "gait synthesize --speed 0.5 --robot @own.urdf --out @own.toml",
         "sim --controller mpc-hzd --gaits @gl --json @gl/one.toml",
