@@ -81,6 +81,8 @@ test('the bar plays the record on from any time, and Home from its start', async
   await picture(page, 'record');
   await page.keyboard.press('Home');
   await shows('the start', 0);
+  await until('the events until then', async () => /^[\d.]+ s(calibrate|idle|boot)/.test(await page.textContent('#event-list')));
+  assert.doesNotMatch(await page.textContent('#event-list'), /walk/);
   await page.click('#record-hold');
   await until('it plays', async () => (await shownTime()).at_s > 0.5);
 });
