@@ -32,15 +32,16 @@ void GivenRobot::read(std::int64_t now_ns, hal::RobotReadings& readings) noexcep
     const bool same =
         given.position_rad == joint.position_rad && given.velocity_rad_s == joint.velocity_rad_s;
     joint.state = given_.drivers_enabled ? hal::DriverState::enabled : hal::DriverState::idle;
-    if (!age(joint, !std::isnan(given.position_rad), same)) continue;
+    const bool came = std::isfinite(given.position_rad) && std::isfinite(given.velocity_rad_s);
+    if (!age(joint, came, same)) continue;
     joint.position_rad = given.position_rad;
     joint.velocity_rad_s = given.velocity_rad_s;
     joint.torque_Nm = given.torque_Nm;
     joint.time_ns = now_ns;
   }
   torso_.begin_read();
-  if (!std::isnan(given_.pitch_rate_rad_s)) torso_.set_rate(given_.pitch_rate_rad_s);
-  if (!std::isnan(given_.pitch_rad)) {
+  if (std::isfinite(given_.pitch_rate_rad_s)) torso_.set_rate(given_.pitch_rate_rad_s);
+  if (std::isfinite(given_.pitch_rad)) {
     torso_.set_pitch(now_ns, given_.pitch_rad);
     torso_.reading().left_foot_force_N = given_.left_foot_force_N;
     torso_.reading().right_foot_force_N = given_.right_foot_force_N;

@@ -18,9 +18,9 @@ inline constexpr std::size_t kStateCount = 14;
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-/// Readings of one joint in a tick.
+/// Readings of one joint in a tick. Unless position and velocity are both finite, there is no new reading.
 struct JointMeasurement {
-  double position_rad = kNotMeasured;  ///< NaN: no new reading in this tick
+  double position_rad = kNotMeasured;
   double velocity_rad_s = kNotMeasured;
   double torque_Nm = 0.0;
 };
@@ -28,7 +28,7 @@ struct JointMeasurement {
 /// Readings of the sensors in a tick.
 struct Measurements {
   std::array<JointMeasurement, kJointCount> joints;
-  double pitch_rad = kNotMeasured;  ///< of the torso, positive leans forward; NaN: no new reading
+  double pitch_rad = kNotMeasured;  ///< of the torso, positive leans forward; not finite: no new reading
   double pitch_rate_rad_s = kNotMeasured;
   double left_foot_force_N = kNotMeasured;  ///< normal; NaN: no such sensor
   double right_foot_force_N = kNotMeasured;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <string>
 #include <thread>
 #include <utility>
@@ -158,6 +159,30 @@ TEST(OwnLoop, AJointThatIsNotMeasuredIsAFault) {
       loop.run(0.1, [](Measurements& measurements) { measurements.joints[1].position_rad = kNotMeasured; });
   EXPECT_STRNE(silent.fault, "");
   EXPECT_STREQ(silent.state, "fault");
+}
+
+TEST(OwnLoop, OneReadingThatIsMissingIsNoFaultAndMoreAre) {
+  constexpr double kWrong[] = {kNotMeasured, std::numeric_limits<double>::infinity()};
+  using Reading = std::function<double&(Measurements&)>;
+  const std::pair<Reading, const char*> readings[] = {
+      {[](Measurements& m) -> double& { return m.joints[1].position_rad; }, "missed_replies"},
+      {[](Measurements& m) -> double& { return m.joints[1].velocity_rad_s; }, "missed_replies"},
+      {[](Measurements& m) -> double& { return m.pitch_rad; }, "stale_torso_sensor"},
+      {[](Measurements& m) -> double& { return m.pitch_rate_rad_s; }, "stale_torso_sensor"}};
+  for (const auto& [reading, fault] : readings) {
+    for (const double wrong : kWrong) {
+      const auto spoil = [&read = reading, wrong](Measurements& measurements) { read(measurements) = wrong; };
+      Loop loop;
+      loop.begin_standing();
+      loop.controller.request(Motion::walk, 0.3);
+      loop.run(1.0);
+      loop.run(1e-3, spoil);
+      const Tick& after = loop.run(0.2);
+      EXPECT_STREQ(after.state, "walk");
+      EXPECT_STREQ(after.fault, "");
+      EXPECT_STREQ(loop.run(0.02, spoil).fault, fault) << wrong;
+    }
+  }
 }
 
 TEST(OwnLoop, ATorsoThatIsNotMeasuredIsAFault) {
