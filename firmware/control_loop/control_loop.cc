@@ -51,6 +51,7 @@ void ControlLoop::configure(const model::RobotModel& robot, const control::Contr
   limits_ = joint_limits(robot.constants);
   supervision_ = supervision;
   standing_ = StandingPose(robot, parameters);
+  calm_m_s_ = parameters.gait.catch_calm_m_s;
   supervisor_.configure(limits_, supervision);
   estimator_.configure(robot, parameters.estimator);
   law_.configure(robot, parameters);
@@ -82,7 +83,7 @@ void ControlLoop::tick(const TickTiming& timing, const model::StateVector* known
   model::StateVector estimate = estimate_state(reading, plan, known_state);
   const supervisor::Followable followable = track_gait(reading, plan);
   const supervisor::Observation seen = observe(timing, command, result, reading, plan, estimate, followable);
-  const supervisor::SupervisorOutput& decision = supervise(seen, command, reading);
+  const supervisor::SupervisorOutput& decision = supervise(seen, command, reading, at_rest(plan, estimate));
   if (decision.start_controller) estimate = begin_stance_episode(reading, known_state);
   const hal::JointCommands wanted = torques(decision.level, reading, plan, estimate);
   const supervisor::Action action = supervisor_.bound(wanted, commands_);
@@ -121,6 +122,9 @@ ControlLoop::PlanView ControlLoop::plan_at(double time_s) const noexcept {
   view.sequence = plan.sequence;
   view.age_s = time_s - (of_episode ? plan.start_time_s : episode_start_s_);
   if (!of_episode || time_s > plan.node[plan.nodes - 1].time_s) return view;
+  const control::PlanNode& last = plan.node[plan.nodes - 1];
+  view.stands = plan.gait == gait::GaitKind::stand && plan.phase_end_s >= last.time_s;
+  view.end = last.state.head<3>();
   view.point = control::interpolate(plan, time_s);
   view.exists = supervisor_.output().level != FallbackLevel::gait || view.point.mode == gait_.contact();
   view.use = supervisor::plan_use(view.exists, view.age_s, supervision_);
@@ -229,9 +233,19 @@ ControlLoop::PlannedJoints ControlLoop::planned_joints(const PlanView& plan) con
   return planned;
 }
 
+/// A robot that shall sit must not be in a step, nor recover from a push. At the turn of a sway it is slow,
+/// too, but its plan goes on.
+bool ControlLoop::at_rest(const PlanView& plan, const model::StateVector& estimate) const noexcept {
+  constexpr double kNear = 0.03;  // m, and rad of pitch
+  return plan.stands && plan.use != supervisor::PlanUse::none &&
+         std::abs(estimate[model::kPositions]) <= calm_m_s_ &&
+         (estimate.head<3>() - plan.end).cwiseAbs().maxCoeff() <= kNear;
+}
+
 const supervisor::SupervisorOutput& ControlLoop::supervise(const supervisor::Observation& seen,
                                                            const OperatorCommand& command,
-                                                           const control::SensorReading& reading) noexcept {
+                                                           const control::SensorReading& reading,
+                                                           bool rests) noexcept {
   stand_miss_ = standing_.miss(reading, supervision_.stand_pose_margin_rad);
   if (stand_miss_.none()) stand_miss_ = too_fast(reading, supervision_.stand_speed_rad_s);
   stance_miss_ = standing_.miss(reading, supervision_.stance_margin_rad);
@@ -240,7 +254,8 @@ const supervisor::SupervisorOutput& ControlLoop::supervise(const supervisor::Obs
                                                                      .bring_up_done = bring_up_.ready,
                                                                      .shut_down = command.shut_down,
                                                                      .fit_to_stand = stand_miss_.none(),
-                                                                     .in_stance = stance_miss_.none()});
+                                                                     .in_stance = stance_miss_.none(),
+                                                                     .at_rest = rests});
   if (decision.clear_buses) robot_->restore_buses();
   if (decision.entered && decision.state == State::calibrate) {
     bring_up_ = {};
@@ -311,85 +326,6 @@ void ControlLoop::request_plan(double time_s, const model::StateVector& estimate
   request.tracked = {};
   if (supervisor_.output().level == FallbackLevel::gait) request.tracked = gait_.step();
   mail_->requests.publish();
-}
-
-void ControlLoop::record(const TickTiming& timing, const OperatorCommand& command,
-                         const PlanningResult& result, const PlanView& plan,
-                         const model::StateVector& estimate, const hal::JointCommands& wanted,
-                         supervisor::Action action) noexcept {
-  const supervisor::SupervisorOutput& decision = supervisor_.output();
-  record_.tick = static_cast<std::uint64_t>(ticks_);
-  record_.time_ns = timing.now_ns;
-  record_.joints = readings_.joints;
-  record_.base = readings_.base;
-  record_.read_status = readings_.status;
-  record_.write_status = write_status_;
-  record_.emergency_stop = readings_.emergency_stop;
-  record_.bus_errors = readings_.bus_errors;
-  record_.bring_up = bring_up_;
-  record_.command = command;
-  record_.tuning = tuning_;
-  record_.result = result;
-  record_.visible_plan = plan.sequence;
-  std::copy_n(estimate.data(), record_.estimated_state.size(), record_.estimated_state.begin());
-  record_.wanted = wanted;
-  const PlannedJoints planned = planned_joints(plan);
-  for (std::size_t i = 0; i < hal::kJoints; ++i) {
-    record_.wanted[i].position_rad = planned.position_rad[i];
-    record_.wanted[i].velocity_rad_s = planned.speed_rad_s[i];
-  }
-  record_.sent = commands_;
-  record_.action = action;
-  record_.state = decision.state;
-  record_.level = decision.level;
-  record_.reaction = decision.reaction;
-  record_.present = decision.present;
-  record_.latched = decision.latched;
-  record_.ramp = decision.ramp;
-  record_.plan_sequence = decision.level <= FallbackLevel::plan_feedback ? plan.sequence : -1;
-  record_.plan_age_s = episode_ != 0 ? plan.age_s : std::numeric_limits<double>::quiet_NaN();
-  record_.stance_episode = episode_;
-  record_.gait = decision.gait;
-  record_.wakeup_latency_ns = timing.wakeup_latency_ns;
-  record_.execution_ns = timing.execution_ns;
-  record_.bus_round_trip_ns = timing.bus_round_trip_ns;
-  mail_->telemetry.push(record_);
-  const bool harder = decision.reaction >= supervisor::Reaction::hold && decision.reaction > kept_reaction_;
-  if (TickRecord* kept = mail_->black_box.claim()) {
-    *kept = record_;
-    mail_->black_box.commit(harder);
-    kept_reaction_ = decision.reaction;
-  }
-}
-
-void ControlLoop::push(const Event& event) noexcept {
-  Event timed = event;
-  timed.time_s = time_s_;
-  control_loop::push(mail_->events, timed);
-}
-
-void ControlLoop::report_events(const supervisor::Observation& seen) noexcept {
-  const supervisor::SupervisorOutput& decision = supervisor_.output();
-  for (const supervisor::FaultRow& row : supervisor::kFaultTable) {
-    if (decision.ended.has(row.fault)) push({.kind = Event::Kind::fault_over, .fault = row.fault});
-    if (!decision.raised.has(row.fault)) continue;
-    supervisor::FaultDetail found = supervisor::detail(row.fault, seen, limits_, supervision_);
-    if (row.fault == supervisor::Fault::bring_up_failed) {
-      found = {.joint = static_cast<int>(bring_up_.joint),
-               .driver_fault = bring_up_.fault,
-               .fault_code = bring_up_.fault_code};
-    }
-    push({.kind = Event::Kind::fault, .fault = row.fault, .found = found});
-  }
-  if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
-  const bool stood_up = before_ == State::stand && decision.state == State::ready;
-  if (decision.entered && stood_up) push({.kind = Event::Kind::lost_stance, .pose = stance_miss_});
-  before_ = decision.state;
-  if (decision.state != State::off) last_state_ = decision.state;
-  const bool waits = decision.state == State::ready && decision.waits_to_stand;
-  if (waits && !waiting_reported_) push({.kind = Event::Kind::waits_for_pose, .pose = stand_miss_});
-  if (decision.stand_void) push({.kind = Event::Kind::stopped_waiting, .pose = stand_miss_});
-  waiting_reported_ = waits;
 }
 
 }  // namespace stilt::control_loop

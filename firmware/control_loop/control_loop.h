@@ -68,6 +68,8 @@ class ControlLoop {
     control::PlanPoint point;  ///< when it exists
     control::BaseVelocity velocity_change = control::BaseVelocity::Zero();  ///< planned since the tick before
     supervisor::PlanUse use = supervisor::PlanUse::none;
+    bool stands = false;                            ///< both feet stay down to its end
+    Eigen::Vector3d end = Eigen::Vector3d::Zero();  ///< place and pitch of the base there
   };
 
   /// Of the joints, by what they follow. No position and no speed before they must follow.
@@ -89,9 +91,10 @@ class ControlLoop {
                                                 const model::StateVector& estimate,
                                                 const supervisor::Followable& followable) noexcept;
   [[nodiscard]] PlannedJoints planned_joints(const PlanView& plan) const noexcept;
+  [[nodiscard]] bool at_rest(const PlanView& plan, const model::StateVector& estimate) const noexcept;
   const supervisor::SupervisorOutput& supervise(const supervisor::Observation& seen,
                                                 const OperatorCommand& command,
-                                                const control::SensorReading& reading) noexcept;
+                                                const control::SensorReading& reading, bool rests) noexcept;
   [[nodiscard]] model::StateVector begin_stance_episode(const control::SensorReading& reading,
                                                         const model::StateVector* known_state) noexcept;
   [[nodiscard]] hal::JointCommands torques(supervisor::FallbackLevel level,
@@ -113,8 +116,9 @@ class ControlLoop {
   supervisor::JointLimits limits_;
   supervisor::SupervisorParameters supervision_;
   StandingPose standing_;
-  PoseMiss stand_miss_;   ///< what keeps it from standing up
-  PoseMiss stance_miss_;  ///< what keeps it from going on with that
+  double calm_m_s_ = 0.0;  ///< of a hip at rest
+  PoseMiss stand_miss_;    ///< what keeps it from standing up
+  PoseMiss stance_miss_;   ///< what keeps it from going on with that
 
   // What a tick leaves for the next one.
   supervisor::Supervisor supervisor_;

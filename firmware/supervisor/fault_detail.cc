@@ -80,7 +80,7 @@ FaultDetail torso_sensor(const Observation& seen, const SupervisorParameters& pa
 
 /// A plan that is recent enough is missing because it is not in step with the robot.
 FaultDetail missing_plan(const Observation& seen, const SupervisorParameters& parameters) noexcept {
-  if (seen.plan_age_s > parameters.stale_plan_s)
+  if (!(seen.plan_age_s < parameters.stale_plan_s))
     return of_number(seen.plan_age_s, parameters.stale_plan_s, "s");
   return {.condition = "not in step"};
 }

@@ -72,7 +72,7 @@ enum class Condition : std::uint8_t {
   sit_done,              ///< sit_s are over
   damp_fault,            ///< a fault that asks for damping, or for off
   sit_fault,             ///< a fault that asks to sit
-  slow_fault,            ///< heartbeat_lost
+  slow_fault,            ///< heartbeat_lost, now or since the newest order
   request_calibrate,     ///< requests: the operator's
   request_stand,
   request_step,
@@ -90,8 +90,10 @@ enum class Guard : std::uint8_t {
   always,
   ramp_done,      ///< the torque law is blended in
   ramping,        ///< it has not yet
+  rising,         ///< less than half of it is: the robot has not carried itself yet
   cannot_step,    ///< there is neither a plan recent enough nor a gait to step with
-  slowed_down,    ///< stepped in place, or stood with both feet down, for long enough
+  slowed_down,    ///< stepped in place for long enough
+  at_rest,        ///< stood for long enough, and rests with both feet down, or has not rested for long
   damped,         ///< the joints were damped for damped_before_off_s, or the motors are off
   causes_gone,    ///< a reset is under way, after damping, and no fault that latches is present
   none_latched,   ///< no fault waits for a reset
@@ -134,12 +136,16 @@ inline constexpr auto kTransitions = std::to_array<Transition>({
 
     {State::stand, Condition::request_cut, Guard::always, State::off},
     {State::stand, Condition::damp_fault, Guard::always, State::fault},
+    {State::stand, Condition::sit_fault, Guard::rising, State::fault},
     {State::stand, Condition::sit_fault, Guard::cannot_step, State::sit},
-    {State::stand, Condition::sit_fault, Guard::slowed_down, State::sit},
+    {State::stand, Condition::sit_fault, Guard::at_rest, State::sit},
     {State::stand, Condition::lost_stance, Guard::ramping, State::ready},
-    {State::stand, Condition::shut_down, Guard::slowed_down, State::sit},
-    {State::stand, Condition::request_off, Guard::slowed_down, State::sit},
-    {State::stand, Condition::request_sit, Guard::slowed_down, State::sit},
+    {State::stand, Condition::shut_down, Guard::rising, State::ready},
+    {State::stand, Condition::request_off, Guard::rising, State::ready},
+    {State::stand, Condition::request_sit, Guard::rising, State::ready},
+    {State::stand, Condition::shut_down, Guard::at_rest, State::sit},
+    {State::stand, Condition::request_off, Guard::at_rest, State::sit},
+    {State::stand, Condition::request_sit, Guard::at_rest, State::sit},
     {State::stand, Condition::request_step, Guard::ramp_done, State::step},
     {State::stand, Condition::request_walk, Guard::ramp_done, State::walk},
 

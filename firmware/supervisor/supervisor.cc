@@ -12,6 +12,11 @@ namespace {
 
 constexpr FaultSet kLatching = of_severity(Severity::latched);
 
+/// Share of the torque law from which a robot that stands up carries itself.
+constexpr double kCarries = 0.5;
+/// Longest wait for rest, before a robot that shall sit does so in motion.
+constexpr double kRestWait_s = 5.0;
+
 /// Causes that show only in what drivers and sensors send.
 constexpr FaultSet kOfReplies = [] {
   FaultSet set;
@@ -94,6 +99,7 @@ const SupervisorOutput& Supervisor::update(const SupervisorInputs& inputs) noexc
   started_ = true;
   measured_ = inputs.seen.joints;
   fit_to_stand_ = inputs.fit_to_stand;
+  if (inputs.at_rest || output_.state != State::stand) rest_ns_ = now_ns_;
   can_step_ = inputs.seen.followable.plan != PlanUse::none || inputs.seen.followable.gait;
   pose_rad_ = measured_pose_rad(measured_, pose_rad_);
   output_.entered = output_.start_controller = false;
@@ -128,6 +134,7 @@ FaultSet Supervisor::looked_for(const Observation& seen) const noexcept {
 
 void Supervisor::find_faults(const SupervisorInputs& inputs) noexcept {
   FaultSet found = detect(inputs.seen, limits_, parameters_);
+  heartbeat_lost_ = found.has(Fault::heartbeat_lost);
   found.add_if(command_not_finite_, Fault::not_finite);
   command_not_finite_ = false;
   const FaultSet present = found & looked_for(inputs.seen);
@@ -154,6 +161,12 @@ void Supervisor::void_request_after_faults(const Request& request) noexcept {
   const bool new_latched = !goes_off && !(unforeseen & kLatching).empty();
   const bool alone = output_.present.has(Fault::heartbeat_lost) && !leads_to_rest(request.kind);
   if (new_latched || alone) void_number_ = std::max(void_number_, request.number);
+  if (output_.present.has(Fault::heartbeat_lost)) {
+    slowing_ = true;
+    slow_number_ = request.number;
+  }
+  const bool slows = output_.state == State::step || output_.state == State::walk;
+  if (!slows || request.number > slow_number_) slowing_ = false;
 }
 
 /// A reset begins when the joints were damped. One that finds a cause still present when its window ends is
@@ -175,11 +188,12 @@ void Supervisor::refuse_steps(const Request& request) noexcept {
   if (steps && !may_walk(parameters_)) void_number_ = std::max(void_number_, request.number);
 }
 
-/// Nothing stands up by itself minutes after it was asked for.
+/// Nothing stands up by itself minutes after it was asked for, nor when nobody is in command any more.
 void Supervisor::give_up_waiting_to_stand(const Request& request) noexcept {
   const bool waits = output_.state == State::ready && requested(RequestKind::stand, request);
   if (!waits || !output_.waits_to_stand) stand_asked_ns_ = now_ns_;
-  output_.stand_void = waits && since_s(stand_asked_ns_) > parameters_.stand_wait_s;
+  const bool too_long = since_s(stand_asked_ns_) > parameters_.stand_wait_s;
+  output_.stand_void = waits && (too_long || heartbeat_lost_);
   if (output_.stand_void) void_number_ = std::max(void_number_, request.number);
   output_.waits_to_stand = waits && !output_.stand_void;
 }
@@ -206,7 +220,7 @@ bool Supervisor::applies(Condition condition, const SupervisorInputs& inputs) co
     case Condition::sit_fault:
       return output_.reaction == Reaction::sit;
     case Condition::slow_fault:
-      return output_.present.has(Fault::heartbeat_lost);
+      return output_.present.has(Fault::heartbeat_lost) || slowing_;
     case Condition::request_calibrate:
       return requested(RequestKind::calibrate, request);
     case Condition::request_stand:
@@ -239,10 +253,15 @@ bool Supervisor::passes(Guard guard) const noexcept {
       return since_s(tracking_ns_) >= parameters_.stand_ramp_s;
     case Guard::ramping:
       return since_s(tracking_ns_) < parameters_.stand_ramp_s;
+    case Guard::rising:
+      return ramp() < kCarries;
     case Guard::cannot_step:
       return !can_step_;
     case Guard::slowed_down:
       return since_s(entered_ns_) >= parameters_.slow_down_s;
+    case Guard::at_rest:
+      return since_s(entered_ns_) >= parameters_.slow_down_s &&
+             (rest_ns_ == now_ns_ || since_s(rest_ns_) >= kRestWait_s);
     case Guard::damped:
       return was_damped();
     case Guard::causes_gone:
@@ -255,6 +274,12 @@ bool Supervisor::passes(Guard guard) const noexcept {
       return !output_.latched.empty();
   }
   return false;
+}
+
+/// Share of the torque law while it is in command.
+double Supervisor::ramp() const noexcept {
+  return parameters_.stand_ramp_s > 0 ? std::clamp(since_s(tracking_ns_) / parameters_.stand_ramp_s, 0.0, 1.0)
+                                      : 1.0;
 }
 
 void Supervisor::move(const SupervisorInputs& inputs) noexcept {
@@ -329,61 +354,10 @@ void Supervisor::choose(const SupervisorInputs& inputs) noexcept {
     level_pose_rad_ = pose_rad_;
   }
   output_.level = level;
-  output_.ramp = 0;
-  if (tracks(output_.state)) {
-    output_.ramp = parameters_.stand_ramp_s > 0
-                       ? std::clamp(since_s(tracking_ns_) / parameters_.stand_ramp_s, 0.0, 1.0)
-                       : 1.0;
-  }
+  output_.ramp = tracks(output_.state) ? ramp() : 0.0;
   output_.gait.kind = gait_kind(output_.state);
   const bool walks = output_.state == State::walk && inputs.request.kind == RequestKind::walk;
   output_.gait.speed_m_s = walks && std::isfinite(inputs.request.speed_m_s) ? inputs.request.speed_m_s : 0;
-}
-
-/// Position control commands the joints while what carried them fades. Over hold_ramp_s the gains grow from
-/// 0 to their own, and the torque falls from that of the last plan or gait to 0.
-hal::JointCommands Supervisor::unloading(const hal::JointValues& pose_rad) const noexcept {
-  const double ramp_s = parameters_.hold_ramp_s;
-  const double share = ramp_s > 0 ? std::clamp(since_s(hold_ns_) / ramp_s, 0.0, 1.0) : 1.0;
-  hal::JointCommands commands = held(pose_rad, share, limits_, parameters_);
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    commands[i].torque_Nm = (1 - share) * followed_[i].torque_Nm;
-  }
-  return commands;
-}
-
-hal::JointCommands Supervisor::commands_of_level(const hal::JointCommands& wanted) const noexcept {
-  switch (output_.level) {
-    case FallbackLevel::plan:
-    case FallbackLevel::plan_feedback:
-    case FallbackLevel::gait:
-      return blend_in(wanted, stand_pose_rad_, output_.ramp, parameters_);
-    case FallbackLevel::hold:
-      return unloading(level_pose_rad_);
-    case FallbackLevel::sit: {
-      const double share = parameters_.sit_s > 0 ? since_s(level_ns_) / parameters_.sit_s : 1.0;
-      return unloading(pose_between_rad(level_pose_rad_, sitting_pose_rad(parameters_), share));
-    }
-    case FallbackLevel::damp:
-    case FallbackLevel::off:
-      break;
-  }
-  return damped(measured_, limits_, parameters_);
-}
-
-Action Supervisor::bound(const hal::JointCommands& wanted, hal::JointCommands& commands) noexcept {
-  if (output_.state == State::boot || output_.state == State::calibrate) return Action::silent;
-  const bool alone = drivers_are_ == DriversAre::left_alone && output_.state != State::off;
-  if (alone) return was_up_ ? Action::disable : Action::silent;
-  if (output_.level == FallbackLevel::off) return Action::disable;
-  commands = commands_of_level(wanted);
-  if (!finite(commands)) {
-    command_not_finite_ = true;
-    commands = damped(measured_, limits_, parameters_);
-  }
-  commands = bounded(commands, measured_, derated(limits_, measured_, parameters_));
-  if (output_.level <= FallbackLevel::gait) followed_ = commands;
-  return Action::commands;
 }
 
 }  // namespace stilt::supervisor

@@ -40,6 +40,7 @@ struct SupervisorInputs {
   bool shut_down = false;      ///< the program is to end: sit, damp, disable the drivers
   bool fit_to_stand = true;    ///< nearly at rest and near the standing pose
   bool in_stance = true;       ///< still near enough to the standing pose to go on standing up
+  bool at_rest = true;         ///< its plan has both feet down and hardly moves to its end
 };
 
 /// What leaves bound() for the drivers.
@@ -106,6 +107,7 @@ class Supervisor {
   [[nodiscard]] bool applies(Condition condition, const SupervisorInputs& inputs) const noexcept;
   [[nodiscard]] bool requested(RequestKind kind, const Request& request) const noexcept;
   [[nodiscard]] bool passes(Guard guard) const noexcept;
+  [[nodiscard]] double ramp() const noexcept;
   [[nodiscard]] Reaction reaction_of_level() const noexcept;
   [[nodiscard]] bool was_damped() const noexcept;
   [[nodiscard]] bool stopped_for_good() const noexcept;
@@ -128,7 +130,9 @@ class Supervisor {
   std::int64_t reset_ns_ = 0;          ///< a reset began
   std::int64_t stopped_ns_ = 0;        ///< the emergency stop was latched
   std::int64_t stand_asked_ns_ = 0;    ///< in ready
+  std::int64_t rest_ns_ = 0;           ///< the robot rested, or was not in stand
   std::uint32_t void_number_ = 0;      ///< requests up to this one are met or void
+  std::uint32_t slow_number_ = 0;      ///< newest request while the heartbeat was lost
   hal::JointValues pose_rad_{};        ///< newest finite positions
   hal::JointValues level_pose_rad_{};  ///< pose_rad_ when the level was reached
   hal::JointValues stand_pose_rad_{};  ///< pose_rad_ when the torque law became active
@@ -141,6 +145,8 @@ class Supervisor {
   bool shutting_down_ = false;
   bool resetting_ = false;
   bool command_not_finite_ = false;
+  bool heartbeat_lost_ = false;  ///< whether or not it is looked for
+  bool slowing_ = false;         ///< since it was lost on a robot that walks or steps
   bool fit_to_stand_ = false;
   bool can_step_ = false;
 };

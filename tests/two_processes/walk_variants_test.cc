@@ -71,6 +71,24 @@ TEST(TwoProcesses, WithoutPlansAndWithoutGaitsItSitsDown) {
   })) << faults;
 }
 
+/// It slows down from 8 s on, would sit at 11 s, and is pushed at 10.6 s of its clock: it catches itself
+/// first.
+class StopsOfAPushedRobot : public testing::TestWithParam<const char*> {};
+
+TEST_P(StopsOfAPushedRobot, EndInTheSittingPoseAndNotInAStep) {
+  RobotAndController run;
+  run.start_robot({"--lockstep", "--once", "--push", GetParam()});
+  run.start_controller({"--lockstep", "--start", "walk@0.5", "--duration", "8"});
+  run.expect_both_to_end();
+  const nlohmann::json robot = run.robot_json();
+  EXPECT_TRUE(robot.at("survived")) << robot.at("fall_time_s") << " s\n" << run.said();
+  for (const nlohmann::json& fault : faults_of(run)) EXPECT_EQ(fault.at("reaction"), "warn") << fault;
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoProcesses, StopsOfAPushedRobot,
+                         testing::Values("60@9.0+0.4", "-60@9.0+0.4", "40@8.6+0.4"),
+                         [](const auto& row) { return "push_" + std::to_string(row.index); });
+
 TEST(TwoProcesses, PlansAroundGaitsOfTheLibraryWalkToo) {
   RobotAndController run;
   walk(run, {"--set", "controller.reference=hzd"}, "12");

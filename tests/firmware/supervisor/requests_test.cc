@@ -50,6 +50,22 @@ TEST_F(SupervisorTest, NothingStandsUpWhileTheProgramEnds) {
   EXPECT_EQ(run(parameters_.damped_before_off_s), State::off);
 }
 
+TEST_F(SupervisorTest, NothingStandsUpWhenNobodyIsInCommandAnyMore) {
+  inputs_.seen.heartbeat_expected = true;
+  ask_to_stand_where_it_cannot();
+  EXPECT_TRUE(output().waits_to_stand);
+  inputs_.seen.heartbeat_age_s = 0.5;
+  tick();
+  EXPECT_TRUE(output().stand_void);
+  EXPECT_FALSE(output().waits_to_stand);
+  inputs_.fit_to_stand = true;
+  EXPECT_EQ(run(1.0), State::ready);
+  inputs_.seen.heartbeat_age_s = 0;
+  EXPECT_EQ(run(1.0), State::ready) << "nor when somebody is again";
+  request(RequestKind::stand);
+  EXPECT_EQ(tick(), State::stand);
+}
+
 TEST_F(SupervisorTest, AStepThatWasAskedForTwiceIsMetOnce) {
   bring_to_stand();
   for (int times = 0; times < 2; ++times) {

@@ -133,8 +133,7 @@ TEST(TransitionTable, WalkingEndsOverSteppingInPlaceUnlessAFaultForbids) {
 TEST(TransitionTable, SittingBeginsFromStandingUnlessThereIsNothingToStepWith) {
   for (const Transition& transition : kTransitions) {
     if (transition.to != State::sit) continue;
-    const bool waits_for_both_feet =
-        transition.from == State::stand && transition.guard == Guard::slowed_down;
+    const bool waits_for_both_feet = transition.from == State::stand && transition.guard == Guard::at_rest;
     EXPECT_TRUE(waits_for_both_feet || transition.guard == Guard::cannot_step) << name(transition.from);
   }
 }

@@ -100,6 +100,21 @@ TEST_F(SupervisorTest, ALostHeartbeatStopsWalkingAndItsReturnDoesNotStartItAgain
   EXPECT_EQ(tick(), State::walk);
 }
 
+TEST_F(SupervisorTest, AHeartbeatThatIsSoonBackLeavesTheRobotStandingUnlessItIsAskedToGoOn) {
+  for (const bool asks_again : {false, true}) {
+    power_on();
+    inputs_.seen.heartbeat_expected = true;
+    bring_to_walk();
+    inputs_.seen.heartbeat_age_s = 0.5;
+    EXPECT_EQ(run(0.5), State::step);
+    inputs_.seen.heartbeat_age_s = 0;
+    EXPECT_EQ(run(0.1), State::step);
+    if (asks_again) request(RequestKind::step);
+    EXPECT_EQ(run(parameters_.slow_down_s), asks_again ? State::step : State::stand);
+    EXPECT_EQ(run(10.0), asks_again ? State::step : State::stand);
+  }
+}
+
 TEST_F(SupervisorTest, ARobotThatWasAskedToSitOrSwitchOffRestsAlsoWithoutItsHost) {
   for (const auto& [kind, rest] :
        {std::pair(RequestKind::sit, State::ready), {RequestKind::off, State::off}}) {

@@ -94,7 +94,72 @@ TEST_F(SupervisorTest, StandingUpWaitsForTheFirstPlanWithoutAFault) {
   request(RequestKind::stand);
   EXPECT_EQ(run(0.2), State::stand);
   EXPECT_EQ(output().level, FallbackLevel::hold);
-  EXPECT_EQ(run(0.1), State::sit) << "but not for ever";
+  for (double time_s = 0; time_s < 0.1; time_s += 1e-3) {
+    ASSERT_NE(tick(), State::sit) << "its legs have not carried it yet";
+  }
+  EXPECT_EQ(output().state, State::fault) << "but not for ever";
+  EXPECT_TRUE(output().latched.has(Fault::stale_plan));
+  EXPECT_TRUE(only_damps());
+}
+
+TEST_F(SupervisorTest, AStopAtTheBeginningOfStandingUpEndsItDamped) {
+  for (const RequestKind kind : {RequestKind::sit, RequestKind::off, RequestKind::none}) {
+    power_on();
+    bring_to_ready();
+    request(RequestKind::stand);
+    ASSERT_EQ(run(0.1), State::stand);
+    if (kind == RequestKind::none) {
+      inputs_.shut_down = true;
+    } else {
+      request(kind);
+    }
+    EXPECT_EQ(tick(), State::ready);
+    EXPECT_TRUE(only_damps());
+    const State end = kind == RequestKind::sit ? State::ready : State::off;
+    EXPECT_EQ(run(parameters_.damped_before_off_s + 0.1), end);
+  }
+}
+
+TEST_F(SupervisorTest, AStopOfARobotThatCarriesItselfLetsItStandUpAndSitDown) {
+  bring_to_ready();
+  request(RequestKind::stand);
+  ASSERT_EQ(run(0.5 * parameters_.stand_ramp_s + 0.01), State::stand);
+  request(RequestKind::sit);
+  for (double time_s = 0; time_s < parameters_.slow_down_s; time_s += 1e-3) {
+    tick();
+    ASSERT_TRUE(output().state == State::stand || output().state == State::sit) << time_s;
+  }
+  EXPECT_EQ(output().state, State::sit);
+}
+
+TEST_F(SupervisorTest, ARobotThatIsNotAtRestSitsOnceItIs) {
+  bring_to_stand();
+  run(10.0);
+  inputs_.at_rest = false;
+  request(RequestKind::sit);
+  EXPECT_EQ(run(2.0), State::stand) << "it catches a push";
+  inputs_.at_rest = true;
+  EXPECT_EQ(tick(), State::sit);
+}
+
+TEST_F(SupervisorTest, ARobotThatDoesNotComeToRestSitsInTheEnd) {
+  constexpr double kRestWait_s = 5.0;
+  bring_to_stand();
+  run(10.0);
+  inputs_.at_rest = false;
+  inputs_.shut_down = true;
+  EXPECT_EQ(run(kRestWait_s - 0.002), State::stand);
+  EXPECT_EQ(run(0.004), State::sit);
+}
+
+TEST_F(SupervisorTest, ARobotThatTipsOverWhileItSitsIsDamped) {
+  bring_to_stand();
+  request(RequestKind::sit);
+  ASSERT_EQ(run(parameters_.slow_down_s + 0.1), State::sit);
+  inputs_.seen.base.pitch_rad = parameters_.base_pitch_limit_rad + 0.1;
+  EXPECT_EQ(tick(), State::fault);
+  EXPECT_TRUE(output().latched.has(Fault::base_pitch_limit));
+  EXPECT_TRUE(only_damps());
 }
 
 TEST_F(SupervisorTest, ShuttingDownSitsDampsAndDisables) {

@@ -52,8 +52,8 @@ Expected expected(Fault fault) {
     case Fault::encoder_jump:
     case Fault::torque_mismatch:
     case Fault::driver_not_enabled:
-      return {Severity::latched, Reaction::damp, Watch::torque};
     case Fault::base_pitch_limit:
+      return {Severity::latched, Reaction::damp, Watch::torque};
     case Fault::encoder_frozen:
     case Fault::hip_height_limit:
     case Fault::torso_sensor_implausible:
