@@ -155,6 +155,14 @@ void check_times(const Configuration& configuration, std::vector<Contradiction>&
            3.0 * tick_s,
            "drivers would disable themselves"},
           found);
+  // One step may be half over, and the next one takes the speed away.
+  const gait::GaitParameters& gait = configuration.gait;
+  require({{"supervisor.slow_down_s", "gait.single_support_s", "gait.double_support_s"},
+           configuration.supervisor.slow_down_s,
+           "two steps, 2 (gait.single_support_s + gait.double_support_s)",
+           2.0 * (gait.single_support_s + gait.double_support_s),
+           "a walk would stand and sit before it has slowed down"},
+          found);
   if (sensor.emergency_stop_released == "none") return;
   require({{"torso_sensor.emergency_stop_timeout_s", "torso_sensor.rate_hz", "timing.torque_rate_hz"},
            sensor.emergency_stop_timeout_s,

@@ -193,6 +193,17 @@ void check_ids(const HardwareParameters& hardware, std::size_t i, std::vector<Co
   }
 }
 
+/// Longer, and sitting has moved far before its gains hold the robot.
+void check_hold_ramp(const supervisor::SupervisorParameters& supervisor, std::vector<Contradiction>& found) {
+  constexpr double kMostShare = 0.25;
+  const double most_s = kMostShare * supervisor.sit_s;
+  if (supervisor.hold_ramp_s <= most_s) return;
+  found.push_back({{"supervisor.hold_ramp_s", "supervisor.sit_s"},
+                   "supervisor.hold_ramp_s = " + number_text(supervisor.hold_ramp_s) +
+                       " must be at most a quarter of supervisor.sit_s, " + number_text(most_s) +
+                       ": the robot would fall before the gains of sitting are there"});
+}
+
 }  // namespace
 
 void check_hardware(const HardwareParameters& hardware, std::vector<Contradiction>& found) {
@@ -257,6 +268,7 @@ void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::v
         supervisor.operator_gone_s);
   check("supervisor.stand_pose_margin_rad", supervisor.stand_pose_margin_rad, "supervisor.stance_margin_rad",
         supervisor.stance_margin_rad);
+  check_hold_ramp(supervisor, found);
   if (!supervisor.select_gait || supervisor.track_gait) return;
   found.push_back({{"supervisor.select_gait", "supervisor.track_gait"},
                    "supervisor.select_gait = true needs supervisor.track_gait = true: no gait is tracked "

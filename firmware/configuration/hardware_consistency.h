@@ -44,7 +44,7 @@ void check_supply(const HardwareParameters& hardware, const supervisor::Supervis
                   std::vector<Contradiction>& found);
 
 /// Contradictions between settings of the supervisor: each mild reaction must come before the hard one, and a
-/// gait that is selected must be tracked.
+/// gait that is selected must be tracked. The gains of sitting must grow early in its motion.
 void check_supervisor(const supervisor::SupervisorParameters& supervisor, std::vector<Contradiction>& found);
 
 /// Contradictions between the threads. Between planner and torque loop there is one priority more, that of

@@ -1,5 +1,6 @@
 #include "firmware/configuration/reach.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -98,6 +99,55 @@ void check_sitting_pose(const supervisor::SupervisorParameters& parameters,
   }
 }
 
+/// On feet far ahead of the hip, far behind or level with it the robot falls over. A pose above that of the
+/// stand lifts it first, and it falls from there once damped. The torso counts as upright.
+void check_feet_of_sitting_pose(const Configuration& configuration, const model::RobotConstants& robot,
+                                std::vector<std::string>& found) {
+  constexpr double kMostShare = 0.25;  // of the straight leg
+  const supervisor::SupervisorParameters& supervisor = configuration.supervisor;
+  const double thigh_rad = supervisor.sit_hip_rad, shin_rad = thigh_rad + supervisor.sit_knee_rad;
+  const double thigh_m = robot.thigh_length_m, shin_m = robot.shin_length_m;
+  const double ahead_m = -thigh_m * std::sin(thigh_rad) - shin_m * std::sin(shin_rad);
+  const double below_m = thigh_m * std::cos(thigh_rad) + shin_m * std::cos(shin_rad);
+  const double most_m = kMostShare * (thigh_m + shin_m);
+  const double height_m = configuration.reference.base_height_m;
+  if (std::abs(ahead_m) <= most_m && below_m > 0 && below_m < height_m) return;
+  found.push_back(
+      "supervisor.sit_hip_rad = " + number_text(supervisor.sit_hip_rad) + " and supervisor.sit_knee_rad = " +
+      number_text(supervisor.sit_knee_rad) + " put the feet " + rounded_text(std::abs(ahead_m)) + " m " +
+      (ahead_m < 0 ? "behind" : "ahead of") + " the hip and " + rounded_text(std::abs(below_m)) + " m " +
+      (below_m < 0 ? "above" : "below") + " it; this robot sits on feet at most " + rounded_text(most_m) +
+      " m ahead or behind, below the hip by less than reference.base_height_m = " + number_text(height_m));
+}
+
+/// The way from the stand to the sitting pose, either foot ahead. Its largest speed is 1.5 times the mean
+/// (supervisor::pose_between_rad).
+void check_speed_of_sitting(const Configuration& configuration, const model::RobotConstants& robot,
+                            std::vector<std::string>& found) {
+  constexpr double kPeakOfMean = 1.5;
+  constexpr double kMostShare = 0.5;  // of the speed limit; the weight of the robot adds to the speed
+  const double sit_s = configuration.supervisor.sit_s;
+  const hal::JointValues pose_rad = supervisor::sitting_pose_rad(configuration.supervisor);
+  const model::StateVector standing = gait::standing_state(robot, configuration.reference.base_height_m,
+                                                           configuration.reference.base_pitch_rad,
+                                                           configuration.gait.stand_half_width_m, true);
+  for (int joint = 0; joint < model::kJoints; ++joint) {
+    double travel_rad = 0;
+    for (const int ahead_or_behind : {joint, model::other_leg(joint, 0)}) {
+      const double from_rad = standing[model::kFirstJoint + ahead_or_behind];
+      travel_rad = std::max(travel_rad, std::abs(pose_rad[static_cast<std::size_t>(joint)] - from_rad));
+    }
+    const double most_rad_s = kMostShare * robot.velocity_limit_rad_s[joint];
+    const double least_s = kPeakOfMean * travel_rad / most_rad_s;
+    if (sit_s >= least_s) continue;
+    found.push_back(std::string(control_loop::kJointNames[joint]) + ": supervisor.sit_s = " +
+                    number_text(sit_s) + " takes it from the stand to the sitting pose at up to " +
+                    rounded_text(kPeakOfMean * travel_rad / sit_s) + " rad/s, beyond " +
+                    number_text(most_rad_s) + " rad/s, half of its speed limit; sit down in at least " +
+                    number_text(std::ceil(1e3 * least_s) / 1e3) + " s");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> unreachable_poses(const Configuration& configuration,
@@ -106,6 +156,8 @@ std::vector<std::string> unreachable_poses(const Configuration& configuration,
   check_standing_pose(configuration, robot, found);
   check_limits_of_stand(configuration, robot, found);
   check_sitting_pose(configuration.supervisor, robot, found);
+  check_feet_of_sitting_pose(configuration, robot, found);
+  check_speed_of_sitting(configuration, robot, found);
   return found;
 }
 

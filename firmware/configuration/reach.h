@@ -13,7 +13,8 @@ namespace stilt::configuration {
 inline constexpr double kTravelMargin_rad = 0.1;
 
 /// A sentence for each pose that the robot cannot take. Feet of the standing pose may be beyond the reach of
-/// the legs, and joints of both poses beyond their travel. Allocates; not for real time.
+/// the legs, and joints of both poses beyond their travel. The feet of the sitting pose may not carry the
+/// robot, and a joint may be too fast on the way there. Allocates; not for real time.
 [[nodiscard]] std::vector<std::string> unreachable_poses(const Configuration& configuration,
                                                          const model::RobotConstants& robot);
 

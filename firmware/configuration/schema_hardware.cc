@@ -239,7 +239,7 @@ const Entry kTorsoSensor[] = {
      channel<&B::emergency_stop_released>()},
     {"torso_sensor", "emergency_stop_timeout_s", "s",
      "An emergency stop that is silent for so long counts as pressed",
-     real<&P::hardware, &H::torso_sensor, &B::emergency_stop_timeout_s>(0.002, 10.0)},
+     real<&P::hardware, &H::torso_sensor, &B::emergency_stop_timeout_s>(0.002, 0.5)},
     {"torso_sensor", "encoder_joint", "1",
      "Joint (0 to 3) whose moteus reads the pitch with an extra encoder; -1: none",
      integer<&P::hardware, &H::torso_sensor, &B::encoder_joint>(-1, 3)},

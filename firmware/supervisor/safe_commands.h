@@ -37,6 +37,8 @@ namespace stilt::supervisor {
 
 /// The active torque limits: torque_limit_share of the joints'. Hot drivers and motors get less: from all of
 /// that at hot_C to hot_torque_share of it at overheated_C. It is linear in a joint's hotter temperature.
+/// Damping gets less, too: one limit holds at every level. With 0.3 of its torque, the least share, AMBER-3M
+/// stands and sits down; with 0.25 it sinks.
 [[nodiscard]] JointLimits derated(const JointLimits& limits, const hal::JointReadings& measured,
                                   const SupervisorParameters& parameters) noexcept;
 

@@ -90,6 +90,21 @@ TEST(Consistency, AStandingRobotHasRoomForItsCapturePoint) {
   EXPECT_EQ(complaint([](Parameters& p) { p.gait.catch_margin_m = 0.15, p.gait.catch_falls = false; }), "");
 }
 
+// Steps of 0.25 s.
+TEST(Consistency, AWalkSlowsDownForTwoStepsBeforeItStands) {
+  EXPECT_EQ(complaint([](Parameters& p) { p.supervisor.slow_down_s = 0.5; }), "");
+  EXPECT_EQ(complaint([](Parameters& p) { p.supervisor.slow_down_s = 0.49; }),
+            "supervisor.slow_down_s: supervisor.slow_down_s = 0.49 must be at least two steps, 2 "
+            "(gait.single_support_s + gait.double_support_s) = 0.5; a walk would stand and sit before it has "
+            "slowed down");
+  EXPECT_NE(complaint([](Parameters& p) { p.supervisor.slow_down_s = 0; }), "");
+  EXPECT_NE(complaint([](Parameters& p) {
+              p.supervisor.slow_down_s = 0.5;
+              p.gait.double_support_s = 0.05;
+            }).find(" = 0.6;"),
+            std::string::npos);
+}
+
 TEST(Consistency, EachOtherContradictionNamesItsKeyFirst) {
   const auto starts = [](const std::string& text, std::string_view key) { return text.starts_with(key); };
   EXPECT_PRED2(starts, complaint([](Parameters& p) { p.timing.plan_rate_hz = 1500.0; }),

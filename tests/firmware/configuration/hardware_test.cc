@@ -309,6 +309,8 @@ TEST(Hardware, AnEmergencyStopMayBeSilentForTwoFramesAndTwoTicks) {
       std::string::npos)
       << said;
   EXPECT_NE(mistakes("[torso_sensor]\nrate_hz = 5\n"), "") << "frames come too seldom";
+  EXPECT_EQ(mistakes("[torso_sensor]\nemergency_stop_timeout_s = 0.5\n"), "");
+  EXPECT_NE(mistakes("[torso_sensor]\nemergency_stop_timeout_s = 0.51\n"), "") << "of a cut cable, too";
 }
 
 TEST(Hardware, TextsThatAreNotUnderstoodSayWhatWouldBeRight) {

@@ -90,6 +90,55 @@ TEST(Reach, ASittingPoseBeyondTheTravelOfAJointIsNamed) {
   EXPECT_TRUE(says(of(configuration), "knee_R: supervisor.sit_knee_rad = 2.5"));
 }
 
+// Legs of 0.8731 m, a quarter of which is 0.2183 m.
+TEST(Reach, FeetOfTheSittingPoseAreBelowTheHipAndNearIt) {
+  Configuration configuration = load_robot("amber3m").value();
+  const auto sits_at = [&](double hip_rad, double knee_rad) {
+    configuration.supervisor.sit_hip_rad = hip_rad;
+    configuration.supervisor.sit_knee_rad = knee_rad;
+    return of(configuration);
+  };
+  EXPECT_EQ(sits_at(1.5, 0),
+            std::vector<std::string>{
+                "supervisor.sit_hip_rad = 1.5 and supervisor.sit_knee_rad = 0 put the feet 0.8709 m behind "
+                "the hip and 0.0618 m below it; this robot sits on feet at most 0.2183 m ahead or behind, "
+                "below the hip by less than reference.base_height_m = 0.8"});
+  EXPECT_TRUE(says(sits_at(-1.5, 0),
+                   "supervisor.sit_hip_rad = -1.5 and supervisor.sit_knee_rad = 0 put the "
+                   "feet 0.8709 m ahead of the hip"));
+  EXPECT_TRUE(says(sits_at(1.6, 2.4),
+                   "supervisor.sit_hip_rad = 1.6 and supervisor.sit_knee_rad = 2.4 put "
+                   "the feet 0.053 m behind the hip and 0.3169 m above it"));
+  EXPECT_EQ(sits_at(0, 0).size(), 1u) << "it would straighten its legs, and fall from there";
+  EXPECT_EQ(sits_at(-0.65, 2.2).size(), 1u) << "0.2207 m behind";
+  EXPECT_EQ(sits_at(-0.7, 2.2), std::vector<std::string>()) << "0.2037 m";
+  EXPECT_EQ(sits_at(-1.2, 2.4), std::vector<std::string>());
+}
+
+// It stands with knees of 0.742 rad and hips of -0.583 and -0.213 rad: up to 1.458 and 0.887 rad from its
+// sitting pose. Its joints turn at 10 rad/s at most.
+TEST(Reach, SittingDownTakesNoJointBeyondHalfOfItsSpeedLimit) {
+  Configuration configuration = load_robot("amber3m").value();
+  const auto sits_in = [&](double sit_s) {
+    configuration.supervisor.sit_s = sit_s;
+    return of(configuration);
+  };
+  EXPECT_EQ(sits_in(0.438), std::vector<std::string>());
+  const std::vector<std::string> found = sits_in(0.3);
+  EXPECT_EQ(found.size(), 2u) << "both knees";
+  EXPECT_EQ(
+      found.at(0),
+      "knee_L: supervisor.sit_s = 0.3 takes it from the stand to the sitting pose at up to 7.2884 rad/s, "
+      "beyond 5 rad/s, half of its speed limit; sit down in at least 0.438 s");
+  EXPECT_EQ(sits_in(0.437).size(), 2u);
+  EXPECT_EQ(sits_in(0.267).size(), 2u);
+  EXPECT_EQ(sits_in(0.266).size(), 4u) << "either leg may be the one behind, whose hip goes farther";
+  configuration.supervisor.sit_s = 2;
+  model::RobotConstants slow = (*robots::find("amber3m"))->model.constants;
+  slow.velocity_limit_rad_s[1] = 2;
+  EXPECT_TRUE(says(unreachable(configuration, slow), "knee_L: supervisor.sit_s = 2 takes it"));
+}
+
 TEST(Reach, EveryShippedRobotStandsWithEveryPreset) {
   for (const ShippedConfiguration& shipped : shipped_configurations()) {
     EXPECT_EQ(of(load_robot(shipped.robot).value()), std::vector<std::string>()) << shipped.robot;
