@@ -80,6 +80,7 @@ bool CommandArbiter::alive(const RobotNow& now) const noexcept {
 
 /// After a cut nothing else is asked for, also when both came before the torque loop took the first.
 void CommandArbiter::ask(RequestKind kind, double speed_m_s) noexcept {
+  twist_ = {};
   if (request_.kind == RequestKind::cut) return;
   request_ = {kind, request_.number + 1, speed_m_s};
 }
@@ -238,6 +239,7 @@ std::string CommandArbiter::apply(const Asked& asked, CommandKind kind, const Ro
     case CommandKind::tunable:
       return set_tunable_(asked.key, asked.value);
     case CommandKind::speed:
+      twist_ = {};
       request_.speed_m_s = asked.value;
       return {};
     case CommandKind::prepare:
@@ -289,7 +291,14 @@ Answer CommandArbiter::take(const Asked& asked, const RobotNow& now) {
 
 void CommandArbiter::twist(double speed_m_s, const RobotNow& now) {
   const bool allowed = rules_.cmd_vel && alive(now) && now.state == State::walk;
-  if (allowed && std::abs(speed_m_s) <= rules_.speed_limit_m_s) request_.speed_m_s = speed_m_s;
+  if (allowed && std::abs(speed_m_s) <= rules_.speed_limit_m_s) twist_ = {true, speed_m_s, now.wall_ns};
+}
+
+/// That of the newest Twist, until Twists were silent for heartbeat_timeout_s or an order came after it.
+double CommandArbiter::asked_speed_m_s(const RobotNow& now) const noexcept {
+  const double age_s = 1e-9 * static_cast<double>(now.wall_ns - twist_.wall_ns);
+  const bool counts = twist_.came && age_s <= rules_.supervisor.heartbeat_timeout_s;
+  return counts ? twist_.speed_m_s : request_.speed_m_s;
 }
 
 control_loop::OperatorCommand CommandArbiter::command(const control_loop::OperatorCommand& script,
@@ -311,6 +320,7 @@ control_loop::OperatorCommand CommandArbiter::command(const control_loop::Operat
   }
   control_loop::OperatorCommand command = script;  // the end of the program is its business
   command.request = request_;
+  command.request.speed_m_s = asked_speed_m_s(now);
   command.heartbeat_expected = !commander_.empty() || !lost_commander_.empty();
   command.heartbeat_ns = now.clock_ns - (now.wall_ns - heartbeat_wall_ns_);
   return command;

@@ -79,7 +79,7 @@ class CommandArbiter {
   [[nodiscard]] Answer take(const Asked& asked, const RobotNow& now);
 
   /// A Twist came. It acts only where the rules allow it, while a commander sends heartbeats and the robot
-  /// walks.
+  /// walks. After heartbeat_timeout_s without another the speed is again that of the commander's last order.
   void twist(double speed_m_s, const RobotNow& now);
 
   /// What the torque loop shall do now. Until the first order came that is the command of `script`.
@@ -106,6 +106,14 @@ class CommandArbiter {
   [[nodiscard]] std::string dropped_by_stop(supervisor::State state) const;
   [[nodiscard]] std::string caveat(CommandKind kind, const RobotNow& now) const;
   [[nodiscard]] double silence_s(const RobotNow& now) const noexcept;
+  [[nodiscard]] double asked_speed_m_s(const RobotNow& now) const noexcept;
+
+  /// The newest Twist that acted since the last order.
+  struct NewestTwist {
+    bool came = false;
+    double speed_m_s = 0;
+    std::int64_t wall_ns = 0;
+  };
 
   ArbiterRules rules_;
   SetTunable set_tunable_;
@@ -116,7 +124,8 @@ class CommandArbiter {
   std::deque<Latecomer> latecomers_;
   std::string commander_;  ///< empty: none
   std::int64_t heartbeat_wall_ns_ = 0;
-  supervisor::Request request_;
+  supervisor::Request request_;  ///< with the speed of the order
+  NewestTwist twist_;
   std::string lost_commander_;  ///< the last one, which fell silent; empty: it released, or one commands
   bool script_ended_ = false;   ///< by the first command; the script is not followed any more
   bool standing_up_ = false;    ///< after the bring-up: stand

@@ -45,7 +45,38 @@ TEST_F(CommandArbiterTest, a_twist_acts_while_a_commander_lives_and_the_robot_wa
   EXPECT_EQ(command().request.speed_m_s, 0.1);
   pass(0.5);
   arbiter.twist(0.2, now);
+  EXPECT_EQ(command().request.speed_m_s, 0.3) << "the commander is silent, and the Twist before is over";
+}
+
+TEST_F(CommandArbiterTest, a_twist_counts_for_the_time_of_a_heartbeat_and_then_the_order_does) {
+  now.state = State::walk;
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  const supervisor::Request ordered = command().request;
+  for (const double speed_m_s : {0.8, -0.2, 0.0}) {
+    arbiter.twist(speed_m_s, now);
+    for (int i = 0; i < 3; ++i) {
+      pass(0.1);
+      ASSERT_TRUE(take(CommandKind::heartbeat).accepted);
+      EXPECT_EQ(command().request.speed_m_s, speed_m_s) << i;
+    }
+    pass(0.2);
+    ASSERT_TRUE(take(CommandKind::heartbeat).accepted);
+    EXPECT_EQ(command().request.speed_m_s, 0.3) << "0.5 s after the last Twist";
+  }
+  EXPECT_EQ(command().request.kind, RequestKind::walk);
+  EXPECT_EQ(command().request.number, ordered.number) << "nothing new is asked for";
+}
+
+TEST_F(CommandArbiterTest, a_later_order_ends_a_twist) {
+  now.state = State::walk;
+  ASSERT_TRUE(take(CommandKind::walk, 0.3).accepted);
+  arbiter.twist(0.1, now);
+  ASSERT_TRUE(take(CommandKind::speed, 0.4).accepted);
+  EXPECT_EQ(command().request.speed_m_s, 0.4);
+  arbiter.twist(0.1, now);
   EXPECT_EQ(command().request.speed_m_s, 0.1);
+  ASSERT_TRUE(take(CommandKind::walk, 0.5).accepted);
+  EXPECT_EQ(command().request.speed_m_s, 0.5);
 }
 
 TEST_F(CommandArbiterTest, a_twist_does_nothing_where_the_configuration_does_not_allow_it) {
