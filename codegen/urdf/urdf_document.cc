@@ -2,10 +2,12 @@
 
 #include <tinyxml2.h>
 
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <system_error>
 
 #include "codegen/urdf/urdf_error.h"
 
@@ -32,20 +34,12 @@ class DocumentReader {
 
   [[nodiscard]] const std::vector<std::string>& joint_names() const { return joint_names_; }
 
+  /// Those below <robot>, as ROS 1 writes them, and those below every <ros2_control>.
   [[nodiscard]] std::map<std::string, Transmission> transmissions() const {
     std::map<std::string, Transmission> result;
-    for (const XMLElement* t = first("transmission"); t != nullptr; t = next(t, "transmission")) {
-      const XMLElement* joint = t->FirstChildElement("joint");
-      if (joint == nullptr) fail("a transmission has no joint; it needs <joint name=\"...\"/>");
-      const std::string name = attribute(*joint, "name", "a transmission's joint");
-      bool known = false;
-      for (const std::string& other : joint_names_) known = known || other == name;
-      if (!known) fail("a transmission names joint '" + name + "', which does not exist");
-      const XMLElement* actuator = t->FirstChildElement("actuator");
-      if (actuator == nullptr) fail("the transmission of joint '" + name + "' has no <actuator>");
-      if (!result.try_emplace(name, drive(*actuator, name)).second)
-        fail("joint '" + name + "' has two transmissions; it may have one");
-    }
+    add_transmissions(robot_, result);
+    for (const XMLElement* c = first("ros2_control"); c != nullptr; c = next(c, "ros2_control"))
+      add_transmissions(*c, result);
     return result;
   }
 
@@ -110,35 +104,82 @@ class DocumentReader {
     }
   }
 
-  /// The numbers of an <actuator>. The gear ratio has two spellings: that of ROS 1, and that of ros2_control.
-  [[nodiscard]] Transmission drive(const XMLElement& actuator, const std::string& joint) const {
+  void add_transmissions(const XMLElement& parent, std::map<std::string, Transmission>& result) const {
+    for (const XMLElement* t = parent.FirstChildElement("transmission"); t != nullptr;
+         t = next(t, "transmission")) {
+      const XMLElement* joint = t->FirstChildElement("joint");
+      if (joint == nullptr) fail("a transmission has no joint; it needs <joint name=\"...\"/>");
+      const std::string name = attribute(*joint, "name", "a transmission's joint");
+      bool known = false;
+      for (const std::string& other : joint_names_) known = known || other == name;
+      if (!known) fail("a transmission names joint '" + name + "', which does not exist");
+      const XMLElement* actuator = t->FirstChildElement("actuator");
+      if (actuator == nullptr) fail("the transmission of joint '" + name + "' has no <actuator>");
+      for (const XMLElement* part : {joint, actuator}) {
+        if (next(part, part->Name()) == nullptr) continue;
+        fail("the transmission of joint '" + name + "' has two <" + part->Name() +
+             ">; a joint has one motor, and a motor one joint");
+      }
+      if (!result.try_emplace(name, drive(*joint, *actuator, name)).second)
+        fail("joint '" + name + "' has two transmissions; it may have one");
+    }
+  }
+
+  /// The numbers of a transmission. The gear ratio has two spellings, that of ROS 1 and that of ros2_control,
+  /// and two places: ros2_control writes it into <joint>.
+  [[nodiscard]] Transmission drive(const XMLElement& joint, const XMLElement& actuator,
+                                   const std::string& name) const {
     Transmission result;
     bool geared = false;
-    for (const XMLElement* e = actuator.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
-      const std::string kind = e->Name();
-      if (kind == "mechanicalReduction" || kind == "mechanical_reduction") {
-        result.gear_ratio = number(*e, joint);
-        if (!(result.gear_ratio > 0.0)) fail("<" + kind + "> of joint '" + joint + "' must be above zero");
-        geared = true;
-      } else if (kind == "rotorInertia") {
-        result.rotor_inertia_kg_m2 = number(*e, joint);
-      } else if (kind != "hardwareInterface") {
-        fail("the <actuator> of joint '" + joint + "' has <" + kind +
-             ">; it may have <mechanicalReduction>, <rotorInertia> and <hardwareInterface>");
+    for (const XMLElement* owner : {&joint, &actuator}) {
+      for (const XMLElement* e = owner->FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+        const std::string kind = e->Name();
+        if (kind == "mechanicalReduction" || kind == "mechanical_reduction") {
+          if (geared) fail("the transmission of joint '" + name + "' has two gear ratios; it may have one");
+          result.gear_ratio = number(*e, name);
+          if (!(result.gear_ratio > 0.0)) fail("<" + kind + "> of joint '" + name + "' must be above zero");
+          geared = true;
+        } else if (kind == "rotorInertia" && owner == &actuator) {
+          result.rotor_inertia_kg_m2 = number(*e, name);
+        } else if (!is_without_inertia(kind, owner == &actuator)) {
+          fail_unknown(owner->Name(), name, kind);
+        }
       }
     }
     if (!geared) {
-      fail("the <actuator> of joint '" + joint +
+      fail("the <actuator> of joint '" + name +
            "' has no <mechanicalReduction>; it needs the gear ratio, 1 without a gear");
     }
     return result;
   }
 
+  /// Whether an element of a transmission changes no inertia: the kind of command, and of a joint the offset.
+  static bool is_without_inertia(const std::string& kind, bool in_actuator) {
+    return kind == "hardwareInterface" || (kind == "offset" && !in_actuator);
+  }
+
+  [[noreturn]] void fail_unknown(const std::string& owner, const std::string& joint,
+                                 const std::string& kind) const {
+    const std::string what = owner == "actuator" ? "the <actuator> of joint '" + joint + "'"
+                                                 : "the <joint> of the transmission of joint '" + joint + "'";
+    const std::string other = owner == "actuator" ? "<rotorInertia>" : "<offset>";
+    fail(what + " has <" + kind + ">; it may have <mechanicalReduction>, " + other +
+         " and <hardwareInterface>");
+  }
+
+  /// The whole text of an element, without the space around it, is a number; 0,5 and 5 kg are none.
   [[nodiscard]] double number(const XMLElement& element, const std::string& joint) const {
+    constexpr const char* kSpace = " \t\r\n";
+    std::string text = element.GetText() == nullptr ? "" : element.GetText();
+    text.erase(0, text.find_first_not_of(kSpace));
+    text.erase(text.find_last_not_of(kSpace) + 1);
+    const char* end = text.data() + text.size();
+    const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
     double value = 0.0;
-    if (element.QueryDoubleText(&value) != tinyxml2::XML_SUCCESS || !std::isfinite(value) || value < 0.0) {
-      fail(std::string("<") + element.Name() + "> of joint '" + joint +
-           "' must be a number that is not negative");
+    const auto [stop, error] = std::from_chars(begin, end, value);
+    if (error != std::errc{} || stop != end || !std::isfinite(value) || value < 0.0) {
+      fail(std::string("<") + element.Name() + "> of joint '" + joint + "' is '" + text +
+           "'; it must be a number that is not negative");
     }
     return value;
   }

@@ -7,7 +7,7 @@
 
 namespace stilt::codegen {
 
-/// Data of a joint's motor in <transmission>.
+/// Data of a joint's motor in <transmission>, below <robot> or below <ros2_control>.
 struct Transmission {
   double gear_ratio = 1.0;
   std::optional<double> rotor_inertia_kg_m2;  ///< nothing where the URDF does not state it

@@ -15,9 +15,10 @@ namespace stilt::codegen {
 /// order. Joints are in depth-first order, and at each link in the order of the document. Names ending in _L
 /// come before those ending in _R.
 ///
-/// Limits, damping and Coulomb friction are the URDF's. The armature is that of the joint's <transmission>.
-/// Its <actuator> has <mechanicalReduction>, as ROS 1 writes it, or <mechanical_reduction>. All joints or
-/// none have <rotorInertia> beside it (kg m^2 on the motor's side, an extension of this project). Without it
+/// Limits, damping and Coulomb friction are the URDF's. The armature is that of the joint's <transmission>,
+/// below <robot> or below a <ros2_control>. A transmission has one <joint> and one <actuator>. One of them
+/// has <mechanicalReduction>, as ROS 1 writes it, or <mechanical_reduction>. All joints or none have
+/// <rotorInertia> in the <actuator> (kg m^2 on the motor's side, an extension of this project). Without it
 /// there is no armature. <mimic> is refused.
 ///
 /// @throws UrdfError for a file that cannot be read, is not a URDF, not a tree or not planar. Also for a

@@ -181,11 +181,67 @@ TEST(UrdfReaderTest, AnActuatorThatIsNotUnderstoodIsRefused) {
             "odd: <mechanicalReduction> of joint 'hip_L' must be above zero.");
   for (const char* number : {"inf", "nan", "-20", "fast", ""}) {
     EXPECT_EQ(error_of_odd_tree("20</mechanicalReduction>", std::string(number) + "</mechanicalReduction>"),
-              "odd: <mechanicalReduction> of joint 'hip_L' must be a number that is not negative.")
+              "odd: <mechanicalReduction> of joint 'hip_L' is '" + std::string(number) +
+                  "'; it must be a number that is not negative.")
         << number;
   }
   EXPECT_EQ(error_of_odd_tree("<joint name=\"hip_R\"/>", "<joint name=\"hip_L\"/>"),
             "odd: joint 'hip_L' has two transmissions; it may have one.");
+}
+
+TEST(UrdfReaderTest, ANumberOfATransmissionIsReadToItsEnd) {
+  for (const char* number : {"0,000051", "0.0005 kg", "5e-4,0", "1 2", "0x1p-4", "+-1"}) {
+    EXPECT_EQ(error_of_odd_tree("0.0005</rotorInertia>", std::string(number) + "</rotorInertia>"),
+              "odd: <rotorInertia> of joint 'hip_L' is '" + std::string(number) +
+                  "'; it must be a number that is not negative.");
+  }
+  EXPECT_EQ(
+      error_of_odd_tree("20</mechanicalReduction>", "50,5</mechanicalReduction>"),
+      "odd: <mechanicalReduction> of joint 'hip_L' is '50,5'; it must be a number that is not negative.");
+  for (const char* number : {" 5e-4 ", "\n\t0.0005\r\n", "+.0005"}) {
+    const std::string text = odd_tree_with("0.0005</rotorInertia>", std::string(number) + "</rotorInertia>");
+    EXPECT_DOUBLE_EQ(parse_urdf(text, "odd").links[1].joint.armature_kg_m2(), 0.2) << number;
+  }
+}
+
+TEST(UrdfReaderTest, ATransmissionOfRos2ControlIsRead) {
+  const auto armature = [](const std::string& text) {
+    return parse_urdf(text, "odd").links[1].joint.armature_kg_m2();
+  };
+  std::string text =
+      odd_tree_with("  <transmission", "<ros2_control name=\"a\" type=\"system\"><transmission");
+  text.replace(text.find("</transmission>"), 15, "</transmission></ros2_control>");
+  EXPECT_DOUBLE_EQ(armature(text), 0.2) << "the first of the joints alone";
+  text.replace(text.find("</ros2_control>"), 15, "</ros2_control><ros2_control name=\"b\" type=\"system\">");
+  text.replace(text.find("</robot>"), 8, "</ros2_control></robot>");
+  EXPECT_DOUBLE_EQ(armature(text), 0.2) << "the others in a second one";
+  text.replace(text.find("<joint name=\"hip_R\"/>"), 21, "<joint name=\"hip_L\"/>");
+  EXPECT_EQ(error_of(text), "odd: joint 'hip_L' has two transmissions; it may have one.");
+}
+
+TEST(UrdfReaderTest, TheGearRatioIsThatOfTheTransmissionsJointOrOfItsActuator) {
+  std::string text = odd_tree_with(kReduction, "");
+  const std::string joint = "<joint name=\"hip_L\"/>";
+  const std::string with_ratio =
+      "<joint name=\"hip_L\" role=\"joint1\"><hardwareInterface>EffortJointInterface</hardwareInterface>"
+      "<mechanical_reduction>40</mechanical_reduction><offset>0.5</offset></joint>";
+  text.replace(text.find(joint), joint.size(), with_ratio);
+  EXPECT_DOUBLE_EQ(parse_urdf(text, "odd").links[1].joint.armature_kg_m2(), 40.0 * 40.0 * 0.0005);
+  EXPECT_EQ(error_of_odd_tree(joint, with_ratio),
+            "odd: the transmission of joint 'hip_L' has two gear ratios; it may have one.");
+  EXPECT_EQ(error_of_odd_tree(joint, "<joint name=\"hip_L\"><rotorInertia>1</rotorInertia></joint>"),
+            "odd: the <joint> of the transmission of joint 'hip_L' has <rotorInertia>; it may have "
+            "<mechanicalReduction>, <offset> and <hardwareInterface>.");
+}
+
+TEST(UrdfReaderTest, ATransmissionHasOneActuatorAndOneJoint) {
+  EXPECT_EQ(
+      error_of_odd_tree("</actuator>", "</actuator><actuator name=\"second\"/>"),
+      "odd: the transmission of joint 'hip_L' has two <actuator>; a joint has one motor, and a motor one "
+      "joint.");
+  EXPECT_EQ(error_of_odd_tree("</actuator>", "</actuator><joint name=\"hip_R\"/>"),
+            "odd: the transmission of joint 'hip_L' has two <joint>; a joint has one motor, and a motor one "
+            "joint.");
 }
 
 TEST(UrdfReaderTest, ARotorInertiaIsStatedForAllJointsOrForNone) {
