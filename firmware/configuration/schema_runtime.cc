@@ -18,8 +18,8 @@ constexpr Section kSections[] = {
 
 constexpr Entry kEntries[] = {
     {"controller", "reference", "",
-     "What the planner's cost pulls to; hzd: shipped gaits, whose times of support, terminal cost and\n"
-     "weights of feet hold unless --set says otherwise",
+     "What the planner's cost pulls to; hzd: shipped gaits with their step time. Their double support,\n"
+     "terminal cost and weights of feet hold unless --set says otherwise",
      choice<&P::controller, &ControllerChoice::reference>(kReferences)},
     {"runtime", "require_realtime", "",
      "Refuse to start on a CAN interface unless kernel, priorities and locked memory make the torque loop "

@@ -54,11 +54,10 @@ std::vector<Override> option_overrides(const ControllerChoice& choice) {
 }
 
 /// What the gaits of the controller need, then the user's options, which may change it.
-std::vector<Override> overrides_of(const ControllerChoice& choice) {
+/// @param library  null where none is followed
+std::vector<Override> overrides_of(const ControllerChoice& choice, const gait::GaitLibrary* library) {
   std::vector<Override> overrides;
-  if (const auto library = gait_library(choice)) {
-    overrides = gait_files::gait_overrides(*library, "--controller mpc-hzd");
-  }
+  if (library != nullptr) overrides = gait_files::gait_overrides(*library, "--controller mpc-hzd");
   const std::vector<Override> options = option_overrides(choice);
   overrides.insert(overrides.end(), options.begin(), options.end());
   return overrides;
@@ -200,14 +199,19 @@ configuration::Configuration load_configuration(const std::string& robot, const 
 
 configuration::Configuration controller_configuration(const ControllerChoice& choice) {
   check_controller(choice.controller);
-  configuration::Configuration configuration =
-      load_configuration(choice.robot, choice.config_file, choice.preset, overrides_of(choice));
+  const auto library = gait_library(choice);
+  configuration::Configuration configuration = load_configuration(
+      choice.robot, choice.config_file, choice.preset, overrides_of(choice, library.get()));
   if (configuration.hardware.robot != choice.robot) {
     throw UsageError("hardware.robot: " + configuration.hardware.robot + " is another robot than " +
                      choice.robot + "; take --robot " + configuration.hardware.robot);
   }
   const auto poses = configuration::unreachable_poses(configuration, robot_model(choice.robot).constants);
   if (!poses.empty()) throw UsageError(poses.front());
+  if (library != nullptr) {
+    const auto wrong = gait_files::other_step_time(*library, configuration);
+    if (wrong) throw UsageError("--controller " + choice.controller + ": " + *wrong);
+  }
   configuration::keep_torque_limit(configuration);
   return configuration;
 }

@@ -1,6 +1,7 @@
 #include "firmware/configuration/gaits/load_around_gaits.h"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "firmware/configuration/diagnostic.h"
@@ -23,6 +24,8 @@ std::expected<configuration::Configuration, std::string> load_around_gaits(
     auto all = gait_overrides(*library, "controller.reference");
     all.insert(all.end(), overrides.begin(), overrides.end());
     result = configuration::load(file, robot, all, preset);
+    const auto wrong = result ? other_step_time(*library, *result) : std::nullopt;
+    if (wrong) return std::unexpected("controller.reference is hzd: " + *wrong);
   }
   if (!result) return std::unexpected(configuration::to_string(result.error()));
   return std::move(*result);

@@ -335,6 +335,11 @@ TEST(OwnLoop, PlansAroundGaitsHaveTheirTimesAndWeightsUnlessTheUserSetsOthers) {
   EXPECT_EQ(gaits.cost.terminal, 10.0);
   EXPECT_FALSE(gaits.cost.terminal_feet);
   EXPECT_EQ(read({"cost.terminal=3"}).cost.terminal, 3.0);
+  const auto slow =
+      library::read_settings({.settings = {"controller.reference=hzd", "gait.single_support_s=0.5"}});
+  ASSERT_FALSE(slow.has_value());
+  EXPECT_TRUE(slow.error().starts_with("controller.reference is hzd: gait.single_support_s = 0.5 must be"))
+      << slow.error();
   const auto refused = library::read_settings({.robot = "rabbit", .settings = {"controller.reference=hzd"}});
   ASSERT_FALSE(refused.has_value());
   EXPECT_TRUE(refused.error().starts_with("controller.reference is hzd: no gaits of rabbit"))

@@ -175,6 +175,19 @@ TEST(Options, PlansAroundGaitsOfARobotWithoutShippedOnesAreRefused) {
             "here, so set controller.reference = \"heuristic\"");
 }
 
+TEST(Options, PlansAroundGaitsHaveTheirStepTimeWithinAMillisecond) {
+  const auto step = [](const std::string& time_s) {
+    return std::vector<std::string>{"--set", "controller.reference=hzd", "--set",
+                                    "gait.single_support_s=" + time_s};
+  };
+  EXPECT_EQ(
+      mistake(step("0.5")),
+      "controller.reference is hzd: gait.single_support_s = 0.5 must be the step time of the gaits that "
+      "plans follow, 0.3; stilt gait library --step-time 0.5 makes others, for stilt sim --gaits");
+  for (const char* other : {"0.2", "0.298", "0.302"}) EXPECT_NE(mistake(step(other)), "") << other;
+  for (const char* same : {"0.3", "0.2995", "0.3005"}) EXPECT_TRUE(read(step(same))) << same;
+}
+
 TEST(Options, AnAutomaticInstructionSetBecomesTheOneInUse) {
   const auto automatic = read({});
   ASSERT_TRUE(automatic) << automatic.error();

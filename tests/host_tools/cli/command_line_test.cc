@@ -126,6 +126,10 @@ TEST_F(CommandLine, AMistakeIsSaidOfTheCommandItBelongsTo) {
       {"sim --controller mpc-hzd --robot rabbit",
        "stilt: --controller mpc-hzd: no gaits of rabbit are shipped; stilt gait library makes a folder of "
        "them\n"},
+      {"sim --controller hzd-pd --set gait.single_support_s=0.5",
+       "stilt: --controller hzd-pd: gait.single_support_s = 0.5 must be the step time of the gaits that "
+       "plans "
+       "follow, 0.3; stilt gait library --step-time 0.5 makes others, for stilt sim --gaits\n"},
       {"help nope", "stilt: help: nope is no command; see stilt --help\n"},
       {"help gait nope", "stilt: help: gait nope is no command; see stilt --help\n"},
       {"sim 1", "stilt: sim: 1 is not expected; see stilt sim --help\n"},
