@@ -51,6 +51,8 @@ struct ShippedPreset {
 [[nodiscard]] std::string preset_names();
 
 /// Reads a configuration from text, then the preset, then the overrides; a later value of a key counts.
+/// Height and half width of the stance that none of them sets follow from the length of the legs of a URDF's
+/// robot.
 /// @param file    names the text in diagnostics; a relative URDF in it is found from this file's folder
 /// @param preset  name of a shipped preset; empty: none
 [[nodiscard]] Result parse(std::string_view toml, std::string_view file,
@@ -75,8 +77,7 @@ void keep_torque_limit(Configuration& configuration);
 [[nodiscard]] std::string robot_in_file(std::string_view file, std::string_view robot);
 
 /// The configuration of a robot, as parse() reads it. It is the shipped one, or for a URDF file the TOML of
-/// the same stem beside it. Where there is none, the defaults, with height and width of the stance by the
-/// length of the robot's legs.
+/// the same stem beside it. Where there is none, the defaults.
 [[nodiscard]] Result load_robot(std::string_view robot, std::span<const Override> overrides = {},
                                 std::string_view preset = {});
 

@@ -17,6 +17,10 @@
 namespace stilt::configuration {
 namespace {
 
+/// Stance of a URDF's robot, as shares of the length of its legs: those of the shipped robots.
+constexpr double kHeightShare = 0.916;
+constexpr double kHalfWidthShare = 0.172;
+
 /// Where a value was set; the message is filled in when something is wrong with it.
 using Place = Diagnostic;
 
@@ -92,6 +96,7 @@ class Reader {
   }
   void read_key(std::string_view section, const toml::key& key, const toml::node& node);
   void set(const Entry& entry, const Value& value, Place place);
+  void derive_stance();
   [[nodiscard]] Place place_of(const Contradiction& contradiction) const;
   /// 0 for a place in the file, 1 in the preset, 2 in an override.
   [[nodiscard]] int layer(const Place& place) const {
@@ -227,7 +232,25 @@ Place Reader::place_of(const Contradiction& contradiction) const {
   return best == nullptr ? Place{file_, 0, 0, {}} : *best;
 }
 
+/// The stance of a URDF's robot where neither file, preset nor override sets it.
+void Reader::derive_stance() {
+  if (!robots::is_file(parameters_.hardware.robot)) return;
+  const auto robot = robots::find(parameters_.hardware.robot);
+  if (!robot) return;  // refused where it is set
+  const model::RobotConstants& constants = (*robot)->model.constants;
+  const double leg_m = constants.thigh_length_m + constants.shin_length_m;
+  for (const auto& [section, key, share] : {std::tuple("reference", "base_height_m", kHeightShare),
+                                            std::tuple("gait", "stand_half_width_m", kHalfWidthShare)}) {
+    const Entry& entry = *find_entry(section, key);
+    if (places_.contains(entry.name())) continue;
+    if (auto mistake = assign(entry, share * leg_m, parameters_)) {
+      fail(places_.at("hardware.robot"), std::move(*mistake));
+    }
+  }
+}
+
 Result Reader::finish() {
+  derive_stance();
   // Tables come by name; people read by line. Overrides have no line and keep their order.
   std::ranges::stable_sort(diagnostics_, {}, [this](const Diagnostic& diagnostic) {
     return std::tuple(layer(diagnostic), diagnostic.line, diagnostic.column);
@@ -243,22 +266,6 @@ Result Reader::finish() {
 
 std::unexpected<std::vector<Diagnostic>> failure(std::string file, std::string message) {
   return std::unexpected(std::vector{Diagnostic{std::move(file), 0, 0, std::move(message)}});
-}
-
-/// Stance of a robot without a configuration, as shares of the length of its legs: those of the shipped
-/// robots.
-constexpr double kHeightShare = 0.916;
-constexpr double kHalfWidthShare = 0.172;
-
-/// What a robot's configuration says before anything else: its name, and for one without a file its stance.
-std::vector<Override> robot_overrides(const robots::Robot& robot, bool derived) {
-  std::vector<Override> overrides = {{"hardware.robot=" + robot.name, "--robot"}};
-  if (!derived) return overrides;
-  const model::RobotConstants& constants = robot.model.constants;
-  const double leg_m = constants.thigh_length_m + constants.shin_length_m;
-  overrides.push_back({"reference.base_height_m=" + number_text(kHeightShare * leg_m), "--robot"});
-  overrides.push_back({"gait.stand_half_width_m=" + number_text(kHalfWidthShare * leg_m), "--robot"});
-  return overrides;
 }
 
 }  // namespace
@@ -316,7 +323,7 @@ Result load_robot(std::string_view robot, std::span<const Override> overrides, s
   if (!found) return failure("--robot", found.error());
   const std::string beside = file_beside(robot);
   const bool has_file = robots::is_file(robot) && std::filesystem::exists(beside);
-  std::vector<Override> all = robot_overrides(**found, robots::is_file(robot) && !has_file);
+  std::vector<Override> all = {{"hardware.robot=" + (*found)->name, "--robot"}};
   all.insert(all.end(), overrides.begin(), overrides.end());
   if (has_file) return load_file(beside, all, preset);
   for (const ShippedConfiguration& shipped : shipped_configurations()) {

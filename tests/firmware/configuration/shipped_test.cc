@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "firmware/configuration/configuration.h"
 #include "firmware/configuration/schema.h"
+#include "firmware/robots/robots.h"
 #include "tests/own_folder.h"
 
 namespace stilt::configuration {
@@ -98,8 +100,47 @@ TEST_F(OwnRobot, TakesTheTomlOfTheSameStemBesideIt) {
   const Result result = load_robot(urdf);
   ASSERT_TRUE(result) << to_string(result.error());
   EXPECT_EQ(result->reference.base_height_m, 0.77);
-  EXPECT_EQ(result->gait.stand_half_width_m, Configuration().gait.stand_half_width_m);
   EXPECT_EQ(result->hardware.robot, urdf);
+}
+
+/// A key of no stance beside a URDF, in a file that names it, or in a file beside --robot changes none.
+TEST_F(OwnRobot, StandsByTheLengthOfItsLegsWhateverElseIsSet) {
+  const auto rabbit = std::ranges::find(robots::shipped_urdfs(), "rabbit", &robots::ShippedUrdf::name);
+  std::ofstream(urdf) << rabbit->text;  // legs of 0.8 m: no default is right by chance
+  const auto check = [](const Result& result, double height_m, double half_width_m) {
+    ASSERT_TRUE(result) << to_string(result.error());
+    EXPECT_DOUBLE_EQ(result->reference.base_height_m, height_m);
+    EXPECT_DOUBLE_EQ(result->gait.stand_half_width_m, half_width_m);
+  };
+  const double height_m = 0.916 * 0.8, half_width_m = 0.172 * 0.8;
+  const std::string beside = folder.file("own.toml"), other = folder.file("other.toml");
+  check(load_robot(urdf), height_m, half_width_m);
+  std::ofstream(beside) << "";
+  check(load_robot(urdf), height_m, half_width_m);
+  std::ofstream(beside) << "[sqp]\niterations = 3\n";
+  check(load_robot(urdf), height_m, half_width_m);
+  check(load(beside, urdf, {}), height_m, half_width_m);
+  std::ofstream(other) << "[hardware]\nrobot = \"own.urdf\"\n";
+  check(load_file(other), height_m, half_width_m);
+  check(load(other, "amber3m", {}), Configuration().reference.base_height_m,
+        Configuration().gait.stand_half_width_m);
+  std::ofstream(beside) << "[gait]\nstand_half_width_m = 0.1\n";
+  check(load_robot(urdf), height_m, 0.1);
+  const std::vector<Override> overrides = {{"reference.base_height_m=0.7"}};
+  check(load_robot(urdf, overrides), 0.7, 0.1);
+}
+
+TEST_F(OwnRobot, AStanceOutsideOfItsRangeIsThatOfTheRobot) {
+  std::ifstream heavy(STILT_TEST_DATA "/robots/heavy.urdf");
+  std::string text((std::istreambuf_iterator<char>(heavy)), std::istreambuf_iterator<char>());
+  for (std::size_t at = 0; (at = text.find("-0.4064", at)) != std::string::npos; at += 6)
+    text.replace(at, 7, "-2.4064");
+  std::ofstream(urdf) << text;
+  std::ofstream(folder.file("own.toml")) << "[sqp]\niterations = 3\n";
+  const Result result = load_robot(urdf);
+  ASSERT_FALSE(result);
+  EXPECT_TRUE(to_string(result.error()).starts_with("--robot: reference.base_height_m = 2.6"))
+      << to_string(result.error());
 }
 
 TEST_F(OwnRobot, AMistakeInItsTomlNamesThatFile) {
