@@ -163,9 +163,10 @@ void add_disturbance_options(CLI::App& command, ExperimentOptions& options) {
       ->capture_default_str();
   command.add_option("--push-at", options.setting.push_point, "point of the push: hip or torso")
       ->capture_default_str();
-  command.add_option("--plan-rate", options.setting.choice.plan_rate_hz, "plans per second, Hz; default 500");
+  command.add_option("--plan-rate", options.setting.choice.plan_rate_hz,
+                     "plans per second, Hz, rounded as by stilt sim; default 500");
   command.add_option("--plan-delay", options.setting.choice.plan_delay_s,
-                     "simulated time that a plan takes, s; default 0.002");
+                     "simulated time that a plan takes, s, rounded as by stilt sim; default 0.002");
   command
       .add_option(
           "--state", options.setting.state,

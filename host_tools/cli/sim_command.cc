@@ -110,8 +110,11 @@ RunSettings run_settings(const SimOptions& options, const model::RobotConstants&
   return settings;
 }
 
-void write_sim_json(const log::RunSummary& summary, simulation::Fall fall, const std::string& path) {
+void write_sim_json(const log::RunSummary& summary, simulation::Fall fall,
+                    const control_loop::PlanTiming& timing, const std::string& path) {
   nlohmann::ordered_json json = to_json(summary);
+  json["plan_period_s"] = static_cast<double>(timing.period_ticks * timing.tick_ns) / 1e9;
+  json["plan_delay_s"] = static_cast<double>(timing.delay_ticks * timing.tick_ns) / 1e9;
   json["fall_reason"] = summary.survived ? nlohmann::ordered_json(nullptr)
                                          : nlohmann::ordered_json(simulation::fall_text(fall));
   write_json(json, path);
@@ -121,12 +124,14 @@ OutputFiles outputs_of(const SimOptions& options) {
   return {{"--json", options.json_file}, {"--report", options.report_file}, {"--log", options.log_file}};
 }
 
-void write_results(const SimOptions& options, const log::RunRecord& record, simulation::Fall fall) {
+void write_results(const SimOptions& options, const log::RunRecord& record, simulation::Fall fall,
+                   const control_loop::PlanTiming& timing) {
   if (!on_standard_output(outputs_of(options))) {
-    std::fputs(summary_text(record.summary, fall).c_str(), stdout);
+    std::fputs(summary_text(record.summary, fall, timing).c_str(), stdout);
   }
   write_each({[&] {
-                if (!options.json_file.empty()) write_sim_json(record.summary, fall, options.json_file);
+                if (!options.json_file.empty())
+                  write_sim_json(record.summary, fall, timing, options.json_file);
               },
               [&] { write_log(record, options.log_file); },
               [&] {
@@ -142,10 +147,12 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
   add_controller_options(*sim, options.choice);
   const control::TimingParameters shipped = configuration::Configuration{}.timing;
   sim->add_option("--plan-rate", options.choice.plan_rate_hz,
-                  "plans per second, Hz; default: timing.plan_rate_hz")
+                  "plans per second, Hz, rounded to whole ticks between two and at most 1 / --plan-delay; "
+                  "default: timing.plan_rate_hz")
       ->default_str(simulation::number_text(shipped.plan_rate_hz));
   sim->add_option("--plan-delay", options.choice.plan_delay_s,
-                  "simulated time that a plan takes, s; default: timing.plan_delay_s")
+                  "simulated time that a plan takes, s, rounded to whole ticks, at least one; "
+                  "default: timing.plan_delay_s")
       ->default_str(simulation::number_text(shipped.plan_delay_s));
   add_gains_option(*sim, options.choice);
   sim->add_option("--gait", options.gait, "stand, step or walk, commanded at the start")
@@ -211,7 +218,7 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   record.command_line = command_line;
   record.settings = record::settings_of(parameters);
   describe_run(robot.constants, plant, world, record);
-  write_results(options, record, plant.fall());
+  write_results(options, record, plant.fall(), controller->timing());
   return record.summary.survived ? 0 : 1;
 }
 

@@ -43,8 +43,13 @@ std::string plant_text(const log::RunSummary& summary, simulation::Fall fall) {
   return text + formatted("slip           %.3f m of both feet while loaded\n", summary.slip_distance_m);
 }
 
-std::string summary_text(const log::RunSummary& summary, simulation::Fall fall) {
+std::string summary_text(const log::RunSummary& summary, simulation::Fall fall,
+                         const control_loop::PlanTiming& timing) {
   std::string text = plant_text(summary, fall);
+  const double tick_ms = 1e-6 * static_cast<double>(timing.tick_ns);
+  text += formatted("plans          one every %g ms, in use %g ms after its state\n",
+                    tick_ms * static_cast<double>(timing.period_ticks),
+                    tick_ms * static_cast<double>(timing.delay_ticks));
   text +=
       formatted("planning       p50 %.0f, p99 %.0f, max %.0f us; %.1f iterations on average, %d at most\n",
                 summary.solve_time_us.p50, summary.solve_time_us.p99, summary.solve_time_us.max,

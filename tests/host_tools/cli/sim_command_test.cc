@@ -4,6 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 
 #include "host_tools/web/report/comparison_page.h"
 #include "tests/host_tools/program_test.h"
@@ -27,6 +28,27 @@ TEST_F(SimCommand, GainsAreThoseOfTheConfigurationKey) {
   EXPECT_EQ(distance("--gains on"), distance("--set torque_law.use_feedback_gains=true"));
   EXPECT_EQ(distance("--gains on"), distance(""));
   EXPECT_NE(distance("--gains off"), distance("")) << "plans are 10 to 15 ms old";
+}
+
+/// Ticks of 1 ms: 300 Hz are 3.33 ms, and 4.6 ms are as long as 5.
+TEST_F(SimCommand, TheTimingOfPlansThatIsInEffectIsReported) {
+  const auto timing = [&](const std::string& options) {
+    const Outcome outcome = run("sim --gait stand --duration 0.1 " + options + " --json " + file("run.json"));
+    EXPECT_EQ(outcome.status, 0) << outcome.errors;
+    const Json json = Json::parse(text_of(file("run.json")));
+    const std::size_t line = outcome.output.find("\nplans  ");
+    EXPECT_NE(line, std::string::npos) << outcome.output;
+    const std::size_t text = outcome.output.find("one every", line);
+    return std::tuple(json.at("plan_period_s").get<double>(), json.at("plan_delay_s").get<double>(),
+                      outcome.output.substr(text, outcome.output.find('\n', text) - text));
+  };
+  EXPECT_EQ(timing(""), std::tuple(0.002, 0.002, "one every 2 ms, in use 2 ms after its state"));
+  EXPECT_EQ(timing("--plan-rate 300 --plan-delay 0.0024"),
+            std::tuple(0.003, 0.002, "one every 3 ms, in use 2 ms after its state"));
+  EXPECT_EQ(timing("--plan-rate 1000 --plan-delay 0.0046"),
+            std::tuple(0.005, 0.005, "one every 5 ms, in use 5 ms after its state"));
+  EXPECT_EQ(timing("--plan-delay 0"),
+            std::tuple(0.002, 0.001, "one every 2 ms, in use 1 ms after its state"));
 }
 
 TEST_F(SimCommand, TheRobotIsThatOfTheConfigurationUnlessItIsNamed) {
