@@ -43,8 +43,10 @@ CLI::App* add_bench_command(CLI::App& program, BenchOptions& options) {
       "longest with the median");
   bench->add_option("--speed", options.speed_m_s, "speed of the recorded walk, m/s")->capture_default_str();
   bench
-      ->add_option("--push", options.pushes,
-                   "with --closed-loop: a push, N@START+DURATION[@hip|torso], positive forward; repeatable")
+      ->add_option(
+          "--push", options.pushes,
+          "with --closed-loop: a push, N@START+DURATION[@hip|torso], positive forward, from tick to tick; "
+          "repeatable")
       ->allow_extra_args(false);
   bench->add_option("--json", options.json_file,
                     "writes the results as JSON to a file, or - for standard output");

@@ -142,7 +142,7 @@ int run_closed_loop_bench(const BenchOptions& options) {
       make_controller(controller_setup(choice, robot_model(choice.robot), controller_configuration(choice)));
   std::vector<simulation::Push> pushes;
   for (const std::string& text : options.pushes) pushes.push_back(simulation::parse_push(text));
-  simulation::check_pushes(pushes);
+  simulation::check_pushes(pushes, 1e-9 * static_cast<double>(controller->timing().tick_ns));
   const control::Planner* planner = benchmark::planner_of_build(controller->planner());
   if (planner == nullptr) {
     throw UsageError(

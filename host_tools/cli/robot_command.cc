@@ -96,7 +96,8 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
       ->allow_extra_args(false);
   robot
       ->add_option("--push", options.pushes,
-                   "a push, N@START+DURATION[@hip|torso], positive forward; repeatable")
+                   "a push, N@START+DURATION[@hip|torso], positive forward, from tick to tick; "
+                   "repeatable")
       ->allow_extra_args(false);
   robot
       ->add_option("--plant", options.plant_settings,

@@ -128,7 +128,7 @@ SimulatedHardware simulated_hardware(const RobotOptions& options) {
   add_mistakes(options, setup);
   setup.faults = faults_of(options, setup.bus_count);
   for (const std::string& text : options.pushes) setup.pushes.push_back(simulation::parse_push(text));
-  simulation::check_pushes(setup.pushes);
+  simulation::check_pushes(setup.pushes, setup.tick_s);
   setup.keep_samples = !options.report_file.empty() || !options.log_file.empty();
   return hardware;
 }

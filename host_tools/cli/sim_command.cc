@@ -87,7 +87,8 @@ void check_begins(const SimOptions& options, const RunSettings& settings) {
   for (const simulation::TimedFault& fault : settings.faults) check("--fault", fault.start_s);
 }
 
-RunSettings run_settings(const SimOptions& options, const model::RobotConstants& robot) {
+RunSettings run_settings(const SimOptions& options, const model::RobotConstants& robot,
+                         const control::TimingParameters& timing) {
   if (!(options.duration_s > 0.0 && options.duration_s <= kLongestRun_s)) {
     throw UsageError("--duration " + simulation::number_text(options.duration_s) +
                      ": the duration must be above 0 and at most 86400 s");
@@ -97,7 +98,7 @@ RunSettings run_settings(const SimOptions& options, const model::RobotConstants&
   settings.leg = {robot.thigh_length_m, robot.shin_length_m};
   settings.commands = commands_of(options);
   for (const std::string& text : options.pushes) settings.pushes.push_back(simulation::parse_push(text));
-  simulation::check_pushes(settings.pushes);
+  simulation::check_pushes(settings.pushes, 1.0 / timing.torque_rate_hz);
   settings.use_true_state = simulation::parse_knows_truth(options.state);
   settings.faults = faults_of(options);
   check_begins(options, settings);
@@ -164,7 +165,8 @@ CLI::App* add_sim_command(CLI::App& program, SimOptions& options) {
       ->allow_extra_args(false);
   sim->add_option("--duration", options.duration_s, "simulated time, s")->capture_default_str();
   sim->add_option("--push", options.pushes,
-                  "a push, N@START+DURATION[@hip|torso], positive forward; repeatable")
+                  "a push, N@START+DURATION[@hip|torso], positive forward, from tick to tick; "
+                  "repeatable")
       ->allow_extra_args(false);
   sim->add_option(
          "--state", options.state,
@@ -198,7 +200,7 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   const model::RobotModel& robot = robot_model(options.choice.robot);
   const configuration::Configuration parameters = controller_configuration(options.choice);
   const PlantOptions world = plant_options(options, parameters.timing);
-  RunSettings settings = run_settings(options, robot.constants);
+  RunSettings settings = run_settings(options, robot.constants, parameters.timing);
   const auto controller = make_controller(controller_setup(options.choice, robot, parameters));
   Plant plant(simulation::make_plant_model(find_robot(options.choice.robot).tree, world,
                                            parameters.reference.base_height_m),

@@ -88,8 +88,13 @@ bool parse_knows_truth(std::string_view text) {
   return text == "truth";
 }
 
-void check_pushes(const std::vector<Push>& pushes) {
+void check_pushes(const std::vector<Push>& pushes, double tick_s) {
   for (std::size_t i = 0; i < pushes.size(); ++i) {
+    if (pushes[i].duration_s < tick_s - kTimeSlack_s) {
+      throw std::invalid_argument("--push: " + number_text(pushes[i].duration_s) +
+                                  " s are shorter than a tick, " + number_text(tick_s) +
+                                  " s; a push begins and ends with a tick");
+    }
     for (std::size_t j = 0; j < i; ++j) {
       if (pushes[i].point == pushes[j].point || !overlap(pushes[i], pushes[j])) continue;
       throw std::invalid_argument("--push: two pushes that overlap in time, from " +

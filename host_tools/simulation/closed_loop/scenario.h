@@ -46,9 +46,11 @@ struct ActingPush {
 /// "estimated". Throws std::invalid_argument, one sentence, for any other text.
 [[nodiscard]] bool parse_knows_truth(std::string_view text);
 
-/// Throws std::invalid_argument when pushes at different points overlap in time.
-void check_pushes(const std::vector<Push>& pushes);
+/// Throws std::invalid_argument when pushes at different points overlap in time. So it does when one is
+/// shorter than a tick, which could lie between two ticks and never act.
+void check_pushes(const std::vector<Push>& pushes, double tick_s);
 
+/// The push of a tick that begins at `time_s`. A push acts through whole ticks, those that begin within it.
 [[nodiscard]] ActingPush push_at(const std::vector<Push>& pushes, double time_s);
 
 /// The last command given by that time; standing before the first. `commands` must be in order of time.

@@ -116,6 +116,8 @@ TEST_F(CommandLine, AMistakeIsSaidOfTheCommandItBelongsTo) {
        "stilt: report: FILE: its value is empty; give one, or leave FILE out; see stilt report --help\n"},
       {"sim --push 40@20+1 --duration 0.5",
        "stilt: --push at 20 s never begins: the run ends at 0.5 s; take a longer --duration\n"},
+      {"sim --push 400@0.1004+0.0005",
+       "stilt: --push: 0.0005 s are shorter than a tick, 0.001 s; a push begins and ends with a tick\n"},
       {"sim --speed nan",
        "stilt: sim: --speed: nan is no number; give one, such as 0.5; see stilt sim --help\n"},
       {"sim --lump legs", "stilt: --lump legs: only --controller mpc-lumped neglects mass and inertia\n"},

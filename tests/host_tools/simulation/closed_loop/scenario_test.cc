@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <string>
 
 namespace stilt::simulation {
 namespace {
@@ -73,9 +74,36 @@ TEST(Scenario, PushesAndCommandsKeepToTheirTicksDespiteRounding) {
 
 TEST(Scenario, PushesAtTwoPointsAtOnceAreRefused) {
   const Push hip{10.0, 1.0, 1.0, PushPoint::hip};
-  EXPECT_THROW(check_pushes({hip, {10.0, 1.5, 1.0, PushPoint::torso}}), std::invalid_argument);
-  EXPECT_NO_THROW(check_pushes({hip, {10.0, 2.0, 1.0, PushPoint::torso}}));
-  EXPECT_NO_THROW(check_pushes({hip, hip}));
+  EXPECT_THROW(check_pushes({hip, {10.0, 1.5, 1.0, PushPoint::torso}}, 1e-3), std::invalid_argument);
+  EXPECT_NO_THROW(check_pushes({hip, {10.0, 2.0, 1.0, PushPoint::torso}}, 1e-3));
+  EXPECT_NO_THROW(check_pushes({hip, hip}, 1e-3));
+}
+
+/// Such a push could lie between two ticks.
+TEST(Scenario, APushShorterThanATickIsRefused) {
+  const auto error = [](double duration_s, double tick_s) -> std::string {
+    try {
+      check_pushes({{10.0, 1.0, duration_s, PushPoint::hip}}, tick_s);
+    } catch (const std::invalid_argument& mistake) {
+      return mistake.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error(0.0005, 1e-3),
+            "--push: 0.0005 s are shorter than a tick, 0.001 s; a push begins and ends with a tick");
+  EXPECT_EQ(error(0.0005, 5e-4), "");
+  EXPECT_EQ(error(0.001, 1.0 / 1000.0), "");
+  EXPECT_EQ(error(0.00142857142, 1.0 / 700.0), "") << "a tick but for rounding";
+}
+
+TEST(Scenario, APushBetweenTicksActsThroughAsManyAsItLasts) {
+  const double tick_s = 1e-3;
+  for (const double start_s : {1.0, 1.0001, 1.00099}) {
+    const std::vector<Push> pushes = {{10.0, start_s, 0.003, PushPoint::hip}};
+    int ticks = 0;
+    for (int tick = 990; tick < 1010; ++tick) ticks += push_at(pushes, tick * tick_s).force_N > 0.0 ? 1 : 0;
+    EXPECT_EQ(ticks, 3) << start_s;
+  }
 }
 
 TEST(Scenario, TheLastCommandGivenIsActive) {
