@@ -55,15 +55,16 @@ void check_gait(const Parameters& p, std::vector<Contradiction>& found) {
                      "gait.double_support_s = " + number_text(gait.double_support_s) +
                          " must be 0 or longer than discretisation.merge_below_s = " + number_text(merge_s)});
   }
-  // The swing profile (mpc_core/gait/swing.h) stays above the ground when apex + v T / 8 >= 0.
-  const double drop_m = -gait.touchdown_velocity_m_s * gait.single_support_s / 8.0;
+  // The swing profile (mpc_core/gait/swing.h) is s^2 (16 apex (1 - s) + v T (1 - 2 s)). The bracket is linear
+  // in s and not negative at its end, so neither anywhere when it is not at its start.
+  const double drop_m = -gait.touchdown_velocity_m_s * gait.single_support_s / 16.0;
   if (gait.swing_height_m < drop_m - kRounding) {
     found.push_back({{"gait.touchdown_velocity_m_s", "gait.swing_height_m", "gait.single_support_s"},
                      "gait.touchdown_velocity_m_s = " + number_text(gait.touchdown_velocity_m_s) +
                          " is too fast for the swing to stay above the ground: with gait.swing_height_m = " +
                          number_text(gait.swing_height_m) + " and gait.single_support_s = " +
                          number_text(gait.single_support_s) + " it must be at least " +
-                         number_text(-8.0 * gait.swing_height_m / gait.single_support_s)});
+                         number_text(-16.0 * gait.swing_height_m / gait.single_support_s)});
   }
   if (gait.catch_falls && gait.catch_margin_m >= gait.stand_half_width_m) {
     found.push_back({{"gait.catch_margin_m", "gait.stand_half_width_m"},

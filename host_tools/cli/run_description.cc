@@ -1,9 +1,12 @@
 #include "host_tools/cli/run_description.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "host_tools/cli/robot_drawing.h"
+#include "host_tools/simulation/plant/number.h"
 
 namespace stilt::cli {
 namespace {
@@ -30,15 +33,33 @@ void add_ground(const simulation::Plant& plant, const simulation::PlantOptions& 
   }
 }
 
+/// The options that make the ground uneven; empty: none.
+std::string ground_options(const simulation::PlantOptions& world) {
+  std::string options;
+  if (world.ground_slope_rad != 0.0)
+    options = "--plant ground_slope_rad=" + simulation::number_text(world.ground_slope_rad);
+  if (world.step_height_m != 0.0) {
+    options += (options.empty() ? "" : ", ") +
+               ("--plant step_height_m=" + simulation::number_text(world.step_height_m));
+  }
+  return options;
+}
+
 }  // namespace
 
 model::StateVector standing_on_ground(const simulation::PlantOptions& world,
                                       const simulation::LegLengths& leg,
                                       const control::ControllerParameters& parameters) {
   const double half_width_m = parameters.gait.stand_half_width_m;
-  return simulation::standing_state(
-      leg, parameters.reference.base_height_m, half_width_m,
-      {simulation::ground_height_m(world, half_width_m), simulation::ground_height_m(world, -half_width_m)});
+  try {
+    return simulation::standing_state(leg, parameters.reference.base_height_m, half_width_m,
+                                      {simulation::ground_height_m(world, half_width_m),
+                                       simulation::ground_height_m(world, -half_width_m)});
+  } catch (const std::invalid_argument& mistake) {
+    const std::string options = ground_options(world);
+    if (options.empty()) throw;
+    throw std::invalid_argument(options + ": no place to stand: " + mistake.what());
+  }
 }
 
 void describe_run(const model::RobotConstants& robot, const simulation::Plant& plant,

@@ -9,6 +9,7 @@
 namespace stilt::cli {
 
 /// State that stands on the plant's ground at x = 0, with the feet apart as the gait parameters require.
+/// Throws std::invalid_argument, one sentence with the options of the ground, where a foot does not reach it.
 [[nodiscard]] model::StateVector standing_on_ground(const simulation::PlantOptions& world,
                                                     const simulation::LegLengths& leg,
                                                     const control::ControllerParameters& parameters);

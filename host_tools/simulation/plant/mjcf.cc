@@ -16,7 +16,7 @@ using codegen::PlanarLink;
 using codegen::PlanarTree;
 using codegen::PlanarVector;
 
-constexpr double kGroundHalfLength_m = 100.0;
+constexpr double kGroundHalfLength_m = 100.0;  // of blocks; to contacts a plane has no end
 constexpr double kGroundHalfWidth_m = 5.0;
 constexpr double kGroundHalfDepth_m = 0.5;
 

@@ -117,9 +117,10 @@ std::vector<PlantOption> make_table() {
           [](Options& o, double v) { o.reading_delay_s = v; }},
       PlantOption{"ground_slope_rad", "rad", -0.5, 0.5, "0", "slope of the ground, positive uphill forward",
                   [](Options& o, double v) { o.ground_slope_rad = v; }},
-      PlantOption{"step_height_m", "m", -0.3, 0.3, "0", "height of a step in the ground, negative down",
+      PlantOption{"step_height_m", "m", -0.3, 0.3, "0",
+                  "height of a step in the ground, negative down; what is raised ends 100 m from the start",
                   [](Options& o, double v) { o.step_height_m = v; }},
-      PlantOption{"step_position_m", "m", -100.0, 100.0, "2", "where the step in the ground begins, forward",
+      PlantOption{"step_position_m", "m", -99.0, 99.0, "2", "where the step in the ground begins, forward",
                   [](Options& o, double v) { o.step_position_m = v; }},
   };
   table.insert(table.end(), others.begin(), others.end());

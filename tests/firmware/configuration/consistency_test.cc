@@ -10,6 +10,7 @@
 
 #include "firmware/configuration/schema.h"
 #include "mpc_core/control/plan.h"
+#include "mpc_core/gait/swing.h"
 
 namespace stilt::configuration {
 namespace {
@@ -105,6 +106,33 @@ TEST(Consistency, AWalkSlowsDownForTwoStepsBeforeItStands) {
             std::string::npos);
 }
 
+/// The bound is that of the profile itself, not of a peak at half time: 16 apex / T.
+TEST(Consistency, ASwingMayComeDownAsFastAsItStaysAboveTheGround) {
+  for (const double height_m : {0.02, 0.06, 0.1}) {
+    for (const double time_s : {0.25, 0.4, 1.0}) {
+      const double fastest_m_s = -16.0 * height_m / time_s;
+      for (const double share : {0.55, 0.999, 1.05, 1.5}) {
+        const auto at = [&](Parameters& p) {
+          p.gait.swing_height_m = height_m;
+          p.gait.single_support_s = time_s;
+          p.supervisor.slow_down_s = 2.0 * time_s;
+          p.gait.touchdown_velocity_m_s = share * fastest_m_s;
+        };
+        double lowest_m = 0.0;
+        for (int i = 0; i <= 1000; ++i) {
+          const double s = 1e-3 * i;
+          lowest_m =
+              std::min(lowest_m, gait::swing_height(height_m, share * fastest_m_s, s, time_s).position);
+        }
+        EXPECT_EQ(complaint(at).empty(), lowest_m >= -1e-12) << height_m << ' ' << time_s << ' ' << share;
+      }
+    }
+  }
+  EXPECT_TRUE(complaint([](Parameters& p) {
+                p.gait.swing_height_m = 0.03, p.gait.touchdown_velocity_m_s = -2.0;
+              }).ends_with("it must be at least -1.92"));
+}
+
 TEST(Consistency, EachOtherContradictionNamesItsKeyFirst) {
   const auto starts = [](const std::string& text, std::string_view key) { return text.starts_with(key); };
   EXPECT_PRED2(starts, complaint([](Parameters& p) { p.timing.plan_rate_hz = 1500.0; }),
@@ -120,7 +148,7 @@ TEST(Consistency, EachOtherContradictionNamesItsKeyFirst) {
                "gait.double_support_s");
   EXPECT_PRED2(starts, complaint([](Parameters& p) {
                  p.gait.touchdown_velocity_m_s = -2.0;
-                 p.gait.swing_height_m = 0.06;
+                 p.gait.swing_height_m = 0.03;
                }),
                "gait.touchdown_velocity_m_s");
   EXPECT_PRED2(starts, complaint([](Parameters& p) { p.estimator.blend_s = 0.45; }), "estimator.blend_s");

@@ -93,16 +93,16 @@ TEST_F(Tunables, out_of_range_unknown_or_not_a_number_change_nothing_and_say_wha
   EXPECT_FALSE(mail->torque_tunings.has_news());
 }
 
-// -0.4 m/s over 0.4 s need 0.02 m.
+// -0.8 m/s over 0.4 s need 0.02 m.
 TEST_F(Tunables, that_contradict_other_values_are_refused_as_in_a_file) {
   configuration.gait.single_support_s = 0.4;
-  configuration.gait.touchdown_velocity_m_s = -0.4;
+  configuration.gait.touchdown_velocity_m_s = -0.8;
   configuration.gait.swing_height_m = 0.02;
   ASSERT_TRUE(configuration::contradictions(configuration).empty());
   Tuner low(configuration, testing_support::amber3m(), *mail);
   const std::string refused = low.set("gait.swing_height_m", 0.01);
   EXPECT_TRUE(
-      refused.starts_with("gait.swing_height_m = 0.01: gait.touchdown_velocity_m_s = -0.4 is too fast"))
+      refused.starts_with("gait.swing_height_m = 0.01: gait.touchdown_velocity_m_s = -0.8 is too fast"))
       << refused;
   EXPECT_EQ(low.number(), 0u);
   EXPECT_EQ(low.set("gait.swing_height_m", 0.021), "");

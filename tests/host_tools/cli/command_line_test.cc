@@ -118,6 +118,16 @@ TEST_F(CommandLine, AMistakeIsSaidOfTheCommandItBelongsTo) {
        "stilt: --push at 20 s never begins: the run ends at 0.5 s; take a longer --duration\n"},
       {"sim --push 400@0.1004+0.0005",
        "stilt: --push: 0.0005 s are shorter than a tick, 0.001 s; a push begins and ends with a tick\n"},
+      {"sim --plant step_height_m=0.1 --plant step_position_m=100",
+       "stilt: --plant step_position_m=100: step_position_m must be a number from -99 to 99 m\n"},
+      {"sim --plant ground_slope_rad=0.4",
+       "stilt: --plant ground_slope_rad=0.4: no place to stand: a foot -0.15 m ahead of the hip and 0.863419 "
+       "m "
+       "below it is out of reach of a leg of 0.4064 m and 0.4667 m\n"},
+      {"sim --plant ground_slope_rad=0.1 --plant step_height_m=-0.3 --plant step_position_m=0",
+       "stilt: --plant ground_slope_rad=0.1, --plant step_height_m=-0.3: no place to stand: a foot 0.15 m "
+       "ahead "
+       "of the hip and 1.08495 m below it is out of reach of a leg of 0.4064 m and 0.4667 m\n"},
       {"sim --speed nan",
        "stilt: sim: --speed: nan is no number; give one, such as 0.5; see stilt sim --help\n"},
       {"sim --lump legs", "stilt: --lump legs: only --controller mpc-lumped neglects mass and inertia\n"},
