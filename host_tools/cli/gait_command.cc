@@ -124,10 +124,19 @@ int report(
   return check.valid() ? 0 : 1;
 }
 
+/// The robot of a gait.
+const model::RobotModel& gait_robot(const std::string& name) {
+  const model::RobotModel& robot = robot_model(name);
+  if (const std::string unequal = gait_synthesis::unequal_legs(robot.constants); !unequal.empty()) {
+    throw UsageError(unequal);
+  }
+  return robot;
+}
+
 GaitRecord load(const std::string& file, const model::RobotModel** robot) {
   auto record = gait_files::load_gait(file);
   if (!record) throw UsageError(record.error());
-  *robot = &robot_model(record->robot);
+  *robot = &gait_robot(record->robot);
   return std::move(*record);
 }
 
@@ -154,7 +163,7 @@ void write_gait(GaitRecord record, const std::string& file) {
 }
 
 int synthesize(const GaitOptions& options) {
-  const model::RobotModel& robot = robot_model(options.robot);
+  const model::RobotModel& robot = gait_robot(options.robot);
   const StepTask task = task_of(options);
   const GaitRecord record = gait_synthesis::make_record(robot, task, gait_synthesis::synthesize(robot, task));
   return report(record, gait_synthesis::check_gait(robot, record), options,
@@ -231,7 +240,7 @@ int library(const GaitOptions& options) {
   if (!std::filesystem::is_directory(options.out)) {
     throw UsageError("--out " + options.out + ": the folder cannot be made; name one in a writable folder");
   }
-  const model::RobotModel& robot = robot_model(options.robot);
+  const model::RobotModel& robot = gait_robot(options.robot);
   const int count = gait_count(options, options.step_m_s);
   std::vector<GaitOptions> gaits(static_cast<std::size_t>(count), options);
   for (int i = 0; i < count; ++i) {

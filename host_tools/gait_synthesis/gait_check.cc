@@ -120,6 +120,24 @@ std::string Violation::text() const {
   return name + numbers;
 }
 
+std::string unequal_legs(const model::RobotConstants& robot) {
+  constexpr double kEqual = 1e-9;
+  constexpr int kLegJoints = kJoints / 2;
+  constexpr const char* kNames[kLegJoints] = {"hip", "knee"};
+  const auto differ = [&](int left) {
+    const double* p = robot.joint_parameters;
+    return std::abs(p[left] - p[left + kLegJoints]) > kEqual * std::abs(p[left]);
+  };
+  for (int j = 0; j < kLegJoints; ++j) {
+    const char* what = differ(j) ? "armature" : differ(kJoints + j) ? "damping" : nullptr;
+    if (what == nullptr) continue;
+    const std::string joint = kNames[j];
+    return std::string(robot.name) + ": " + joint + "_L and " + joint + "_R have different " + what +
+           "; gaits are for robots with equal legs";
+  }
+  return "";
+}
+
 GaitCheck check_gait(const model::RobotModel& robot, const gait_files::GaitRecord& record,
                      const CheckTolerances& tolerances) {
   GaitCheck check;

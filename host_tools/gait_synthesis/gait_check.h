@@ -42,11 +42,15 @@ struct GaitCheck {
   [[nodiscard]] bool valid() const { return violations.empty(); }
 };
 
+/// Why a robot can have no gait, one sentence: a gait is one step, which both legs take in turn. Empty when
+/// both have the same armature and damping. The URDF reader compares their masses and lengths.
+[[nodiscard]] std::string unequal_legs(const model::RobotConstants& robot);
+
 /// Computes the metrics of a gait from outputs, feedback, states and inputs, and compares them with limits,
-/// tolerances and claims. Torques and joint speeds also keep to the robot's own limits. Names of violations:
-/// those of the limits; "defect", "periodicity", "outputs", "torque_curve", "replay", "speed" (its difference
-/// from step length / step time). "swing_height" is for a swing foot below the ground; "return_map", also
-/// when a disturbed step falls; "claim KEY".
+/// tolerances and claims. Torques, joint speeds and positions also keep to the robot's own limits, those of
+/// both legs. Names of violations: those of the limits; "defect", "periodicity", "outputs", "torque_curve",
+/// "replay", "speed" (its difference from step length / step time). "swing_height" is for a swing foot below
+/// the ground; "return_map", also when a disturbed step falls; "claim KEY".
 [[nodiscard]] GaitCheck check_gait(const model::RobotModel& robot, const gait_files::GaitRecord& record,
                                    const CheckTolerances& tolerances = {});
 

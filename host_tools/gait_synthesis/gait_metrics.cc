@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "host_tools/gait_synthesis/hybrid_step.h"
+#include "host_tools/gait_synthesis/joint_bounds.h"
 #include "host_tools/gait_synthesis/motion_fit.h"
 #include "host_tools/gait_synthesis/return_map.h"
 #include "host_tools/gait_synthesis/step_program.h"
@@ -81,7 +82,7 @@ double largest_defect(const model::RobotModel& robot, const gait::HzdGait& gait)
 
 /// Computes the extremes of the motion's curves.
 void sample_motion(const model::RobotModel& robot, const gait::HzdGait& gait, GaitMetrics& metrics) {
-  const model::RobotConstants& limits = robot.constants;
+  const JointBounds ranges = joint_bounds(robot.constants, {});
   metrics.joint_position_margin_rad = metrics.knee_min_rad = kInfinity;
   metrics.normal_force_min_N = metrics.clearance_m = metrics.swing_height_min_m = kInfinity;
   double torque_squared = 0.0;
@@ -99,7 +100,7 @@ void sample_motion(const model::RobotModel& robot, const gait::HzdGait& gait, Ga
       raise(metrics.peak_joint_speed_rad_s[j], point.velocity[kFirstJoint + j]);
       raise(metrics.output_error_max_rad, angle - output.angle_rad[j]);
       raise(metrics.torque_error_max_Nm, motion.torque_Nm[j] - point.torque_Nm[j]);
-      const double margin = std::min(angle - limits.position_min_rad[j], limits.position_max_rad[j] - angle);
+      const double margin = std::min(angle - ranges.position_min_rad[j], ranges.position_max_rad[j] - angle);
       metrics.joint_position_margin_rad = std::min(metrics.joint_position_margin_rad, margin);
       if (j % 2 == 1) metrics.knee_min_rad = std::min(metrics.knee_min_rad, angle);
     }

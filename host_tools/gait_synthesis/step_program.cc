@@ -67,9 +67,10 @@ StepProgram::Bounds StepProgram::variable_bounds() const {
     bounds.upper[at + kFirstAngle] = kShare * limits.pitch_rad;
     for (int j = 0; j < kJoints; ++j) {
       const double room = limits.joint_position_margin_rad / kShare;
-      bounds.lower[at + kFirstJoint + j] = constants_.position_min_rad[j] + room;
-      if (j % 2 == 1) bounds.lower[at + kFirstJoint + j] = std::max(room, limits.knee_min_rad / kShare);
-      bounds.upper[at + kFirstJoint + j] = constants_.position_max_rad[j] - room;
+      double& lower = bounds.lower[at + kFirstJoint + j];
+      lower = joint_bounds_.position_min_rad[j] + room;
+      if (j % 2 == 1) lower = std::max(lower, limits.knee_min_rad / kShare);
+      bounds.upper[at + kFirstJoint + j] = joint_bounds_.position_max_rad[j] - room;
       bounds.lower[at + kVelocityAt + kFirstJoint + j] = -kShare * joint_bounds_.speed_rad_s[j];
       bounds.upper[at + kVelocityAt + kFirstJoint + j] = kShare * joint_bounds_.speed_rad_s[j];
     }

@@ -80,6 +80,29 @@ TEST_F(GaitCommand, AUrdfIsNamedFromTheFolderOfTheGaitFile) {
   EXPECT_EQ(run("check " + file("below/gait.toml")).status, 0);
 }
 
+TEST_F(GaitCommand, ARobotWithUnequalLegsIsRefused) {
+  std::string urdf = text_of(STILT_URDF);
+  const std::string inertia = "<rotorInertia>5.1e-5</rotorInertia>";
+  const std::size_t last = urdf.rfind(inertia);
+  ASSERT_NE(last, std::string::npos);
+  std::ofstream(file("mine.urdf")) << urdf.replace(last, inertia.size(), "<rotorInertia>6e-5</rotorInertia>");
+  std::string text = text_of(kShipped);
+  const std::string name = "\"amber3m\"";
+  std::ofstream(file("gait.toml")) << text.replace(text.find(name), name.size(), "\"mine.urdf\"");
+  const std::string robot = "--robot " + file("mine.urdf");
+  for (const std::string& arguments :
+       {"synthesize --speed 0.5 " + robot + " --out " + file("x"), "library " + robot + " --out " + file("y"),
+        "check " + file("gait.toml")}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_NE(
+        outcome.errors.find("mine.urdf: knee_L and knee_R have different armature; gaits are for robots "
+                            "with equal legs\n"),
+        std::string::npos)
+        << outcome.errors;
+  }
+}
+
 TEST_F(GaitCommand, SynthesizesChecksAndShowsAGait) {
   ASSERT_EQ(run("synthesize --speed 0.35 --out " + file("a.toml")).status, 0);
   EXPECT_EQ(run("check " + file("a.toml")).status, 0);

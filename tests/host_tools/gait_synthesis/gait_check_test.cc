@@ -20,61 +20,9 @@ namespace {
 
 using gait_files::GaitRecord;
 
-std::string joined(const std::vector<Violation>& violations) {
-  std::string text;
-  for (const Violation& violation : violations) text += violation.text() + "; ";
-  return text;
-}
-
 bool violates(const GaitRecord& record, const std::string& name) {
   const GaitCheck check = check_gait(testing_support::amber3m(), record);
   return std::ranges::find(check.violations, name, &Violation::name) != check.violations.end();
-}
-
-TEST(Synthesis, FindsValidGaitsForwardInPlaceAndBackward) {
-  for (const double speed_m_s : {0.5, 0.0, -0.3}) {
-    const StepTask task = task_at(speed_m_s);
-    const GaitRecord record =
-        make_record(testing_support::amber3m(), task, synthesize(testing_support::amber3m(), task));
-    const GaitCheck check = check_gait(testing_support::amber3m(), record);
-    EXPECT_TRUE(check.valid()) << speed_m_s << " m/s: " << joined(check.violations);
-    EXPECT_NEAR(record.gait.step_length_m / record.gait.step_time_s, speed_m_s, 1e-5);
-    EXPECT_LE(check.metrics.defect_max, 1e-6);
-  }
-}
-
-TEST(Synthesis, KeepsToNarrowerLimitsAtAHigherCost) {
-  StepTask task = task_at(0.5);
-  task.limits.torque_Nm = 30.0;
-  task.limits.pitch_rad = 0.02;
-  const Synthesis narrow = synthesize(testing_support::amber3m(), task);
-  const GaitCheck check =
-      check_gait(testing_support::amber3m(), make_record(testing_support::amber3m(), task, narrow));
-  EXPECT_TRUE(check.valid()) << joined(check.violations);
-  EXPECT_LE(check.metrics.pitch_max_rad, 0.02);
-  EXPECT_GT(check.metrics.torque_squared_per_m, walking_record().claims->torque_squared_per_m);
-}
-
-/// AMBER-3M with other drives of one knee; both knees stand and swing in turn.
-model::RobotModel with_knee_L(double torque_Nm, double speed_rad_s) {
-  model::RobotModel robot = testing_support::amber3m();
-  robot.constants.torque_limit_Nm[1] = torque_Nm;
-  robot.constants.velocity_limit_rad_s[1] = speed_rad_s;
-  return robot;
-}
-
-TEST(Synthesis, KeepsToTheRobotsOwnLimits) {
-  const gait_files::GaitMetrics& usual = *walking_record().claims;
-  const auto largest = [](double stance, double swing) { return std::max(stance, swing); };
-  const double torque_Nm = 0.9 * largest(usual.peak_torque_Nm[1], usual.peak_torque_Nm[3]);
-  const double speed_rad_s = 0.95 * largest(usual.peak_joint_speed_rad_s[1], usual.peak_joint_speed_rad_s[3]);
-  const model::RobotModel weak = with_knee_L(torque_Nm, speed_rad_s);
-  const GaitRecord record = make_record(weak, task_at(0.5), synthesize(weak, task_at(0.5)));
-  EXPECT_TRUE(check_gait(weak, record).valid()) << joined(check_gait(weak, record).violations);
-  for (const int knee : {1, 3}) {
-    EXPECT_LE(record.claims->peak_torque_Nm[knee], torque_Nm);
-    EXPECT_LE(record.claims->peak_joint_speed_rad_s[knee], speed_rad_s);
-  }
 }
 
 TEST(Check, AGaitKeepsToTheRobotsOwnLimitsToo) {
@@ -94,35 +42,39 @@ TEST(Check, AGaitKeepsToTheRobotsOwnLimitsToo) {
   EXPECT_EQ(slow[0].bound, 1.0);
 }
 
-TEST(Synthesis, SaysSoWhenThereIsNoGait) {
-  StepTask task = task_at(0.5);
-  task.limits.torque_Nm = 5.0;
-  EXPECT_THROW((void)synthesize(testing_support::amber3m(), task), NoGait);
-}
-
-TEST(Synthesis, EveryCostGivesItsOwnGait) {
-  std::vector<double> squared_torque;
-  for (const CostKind cost :
-       {CostKind::torque_squared, CostKind::mechanical_power, CostKind::acceleration_squared}) {
-    StepTask task = task_at(0.5);
-    task.cost = cost;
-    const GaitRecord record =
-        make_record(testing_support::amber3m(), task, synthesize(testing_support::amber3m(), task));
-    const GaitCheck check = check_gait(testing_support::amber3m(), record);
-    EXPECT_TRUE(check.valid()) << joined(check.violations);
-    squared_torque.push_back(record.claims->torque_squared_per_m);
+TEST(Check, AGaitKeepsToTheRangesOfBothLegs) {
+  GaitRecord record = walking_record();
+  record.claims.reset();
+  const auto found_with = [&](const model::RobotModel& robot) {
+    return check_gait(robot, record).violations;
+  };
+  for (const int knee : {1, 3}) {
+    const std::vector<Violation> stopped = found_with(with_stop(knee, 0.32));
+    ASSERT_EQ(stopped.size(), 1u) << joined(stopped);
+    EXPECT_EQ(stopped[0].name, "joint_position_margin_rad");
+    EXPECT_NEAR(stopped[0].value, walking_record().claims->knee_min_rad - 0.32, 1e-9) << "joint " << knee;
   }
-  EXPECT_LT(squared_torque[0], squared_torque[1]);
-  EXPECT_LT(squared_torque[0], squared_torque[2]);
+  for (const int hip : {0, 2}) {
+    model::RobotModel narrow = testing_support::amber3m();
+    narrow.constants.position_max_rad[hip] = -0.3;
+    const std::vector<Violation> stopped = found_with(narrow);
+    ASSERT_EQ(stopped.size(), 1u) << joined(stopped);
+    EXPECT_EQ(stopped[0].name, "joint_position_margin_rad");
+  }
 }
 
-TEST(Synthesis, WorksForTheOtherRobotToo) {
-  StepTask task = task_at(0.5);
-  task.step_time_s = 0.4;
-  const GaitRecord record =
-      make_record(testing_support::rabbit(), task, synthesize(testing_support::rabbit(), task));
-  const GaitCheck check = check_gait(testing_support::rabbit(), record);
-  EXPECT_TRUE(check.valid()) << joined(check.violations);
+TEST(UnequalLegs, DifferInArmatureOrDampingOfHipOrKnee) {
+  EXPECT_EQ(unequal_legs(testing_support::amber3m().constants), "");
+  const std::pair<int, const char*> cases[] = {{0, "hip_L and hip_R have different armature"},
+                                               {3, "knee_L and knee_R have different armature"},
+                                               {6, "hip_L and hip_R have different damping"},
+                                               {5, "knee_L and knee_R have different damping"}};
+  for (const auto& [at, text] : cases) {
+    model::RobotConstants robot = testing_support::amber3m().constants;
+    robot.joint_parameters[at] += 0.01;
+    EXPECT_EQ(unequal_legs(robot),
+              std::string("amber3m: ") + text + "; gaits are for robots with equal legs");
+  }
 }
 
 TEST(Replay, StaysOnTheGaitOverManyStepsAndComesBackAfterADisturbance) {

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "host_tools/gait_synthesis/gait_check.h"
 #include "host_tools/gait_synthesis/motion_fit.h"
 #include "host_tools/gait_synthesis/synthesize.h"
 #include "tests/robots.h"
@@ -29,5 +33,26 @@ inline const gait_files::GaitRecord& stepping_record() {
   return record;
 }
 inline const gait::HzdGait& stepping_gait() { return stepping_record().gait; }
+
+/// AMBER-3M with other drives of one knee; both knees stand and swing in turn.
+inline model::RobotModel with_knee_L(double torque_Nm, double speed_rad_s) {
+  model::RobotModel robot = testing_support::amber3m();
+  robot.constants.torque_limit_Nm[1] = torque_Nm;
+  robot.constants.velocity_limit_rad_s[1] = speed_rad_s;
+  return robot;
+}
+
+/// AMBER-3M with a stop of one knee; its range begins at 0 otherwise.
+inline model::RobotModel with_stop(int knee, double least_rad) {
+  model::RobotModel robot = testing_support::amber3m();
+  robot.constants.position_min_rad[knee] = least_rad;
+  return robot;
+}
+
+inline std::string joined(const std::vector<Violation>& violations) {
+  std::string text;
+  for (const Violation& violation : violations) text += violation.text() + "; ";
+  return text;
+}
 
 }  // namespace stilt::gait_synthesis
