@@ -177,7 +177,14 @@ void complete_motion(const model::RobotModel& robot, gait::HzdGait& gait) {
   start[model::kAngles] = 1.0;
   const double gain = expand(robot, start)[model::kPositions] - at_rest;
   start[model::kAngles] = (speed_m_s - at_rest) / gain;
+  double(&placement)[gait::kReducedStates] = gait.feedback.placement;
+  double given[gait::kReducedStates];
+  std::ranges::copy(placement, given);
+  std::ranges::fill(placement, 0.0);  // the shift is from a motion that is not known yet
   fit_motion(robot, expand(robot, start), gait);
+  const bool none = std::ranges::all_of(given, [](double value) { return value == 0.0; });
+  if (none && place_feet(robot, gait)) return;
+  std::ranges::copy(given, placement);
 }
 
 }  // namespace stilt::gait_synthesis

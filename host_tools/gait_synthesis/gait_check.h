@@ -55,9 +55,10 @@ struct GaitCheck {
                                    const CheckTolerances& tolerances = {});
 
 /// Finds the periodic motion of a gait that has only outputs, and fills in states, inputs, step time, step
-/// length and speed. Limits and claims stay as they are. Without a step time the search starts at
-/// `speed_m_s`, or at the speed of one step per 0.4 s. Throws std::runtime_error, one sentence, when the
-/// outputs give no periodic motion.
+/// length and speed. Placement gains that are all 0 are found as place_feet() does, where it can; others
+/// stay. Limits and claims stay as they are. Without a step time the search starts at `speed_m_s`, or at the
+/// speed of one step per 0.4 s. Throws std::runtime_error, one sentence, when the outputs give no periodic
+/// motion.
 void complete_motion(const model::RobotModel& robot, gait::HzdGait& gait);
 
 }  // namespace stilt::gait_synthesis

@@ -88,15 +88,16 @@ void fit_motion(const model::RobotModel& robot, const StateVector& start, gait::
   }
 }
 
-void place_feet(const model::RobotModel& robot, gait::HzdGait& gait) {
+bool place_feet(const model::RobotModel& robot, gait::HzdGait& gait) {
   constexpr double kStateWeight = 1e-3;
   std::fill(std::begin(gait.feedback.placement), std::end(gait.feedback.placement), 0.0);
-  if (gait.outputs.phase == gait::PhaseKind::hip_position) return;
+  if (gait.outputs.phase == gait::PhaseKind::hip_position) return true;
   const StateVector start = start_of_motion(gait);
   const auto free = linearise_return_map(robot, gait, reduce(start));
-  if (!free) throw std::runtime_error("a slightly disturbed step falls");
+  if (!free) return false;
   const ReducedState gain = regulator(free->jacobian, shift_effect(robot, gait, start), kStateWeight);
   std::copy(gain.data(), gain.data() + kReducedStates, gait.feedback.placement);
+  return true;
 }
 
 }  // namespace stilt::gait_synthesis

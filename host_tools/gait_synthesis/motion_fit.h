@@ -17,7 +17,8 @@ void fit_motion(const model::RobotModel& robot, const model::StateVector& start,
 
 /// Sets the placement gains of a gait. They are 0 for a phase by hip position, whose return map is stable
 /// without them. For a phase by time they minimise the spectral radius of the linearised return map.
-void place_feet(const model::RobotModel& robot, gait::HzdGait& gait);
+/// They stay 0 where a slightly disturbed step falls, and the answer is false.
+[[nodiscard]] bool place_feet(const model::RobotModel& robot, gait::HzdGait& gait);
 
 /// State just after touch-down of gait.motion.
 [[nodiscard]] model::StateVector start_of_motion(const gait::HzdGait& gait);

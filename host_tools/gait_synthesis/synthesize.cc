@@ -55,7 +55,9 @@ Synthesis synthesize(const model::RobotModel& robot, const StepTask& task) {
   result.gait.step_length_m = task.step_length_m();
   result.gait.outputs = program.outputs(solution.v);
   fit_motion(robot, program.start_state(solution.v), result.gait);
-  place_feet(robot, result.gait);
+  if (!place_feet(robot, result.gait)) {
+    throw NoGait("no gait at " + short_text(task.speed_m_s) + " m/s: a slightly disturbed step falls");
+  }
   result.gait.speed_m_s = task.speed_m_s;
   const double length_m = std::abs(task.step_length_m());
   result.cost_per_m = solution.cost * task.step_time_s / (length_m > 0.0 ? length_m : 1.0);

@@ -158,13 +158,16 @@ TEST_F(GaitCommand, AnOutputThatCannotBeWrittenKeepsNoOtherBack) {
 }
 
 TEST_F(GaitCommand, CompletesAGaitFromElsewhere) {
-  const std::string text = text_of(kShipped);
-  const std::size_t outputs = text.find("[outputs]");
-  const std::size_t feedback = text.find("[feedback]");
-  std::ofstream(file("bare.toml")) << "format = 1\nrobot = \"amber3m\"\n"
-                                   << text.substr(outputs, feedback - outputs);
-  ASSERT_EQ(run("complete " + file("bare.toml") + " --out " + file("full.toml")).status, 0);
-  EXPECT_EQ(run("check " + file("full.toml")).status, 0);
+  for (const char* shipped : {"/amber3m_0.50.toml", "/amber3m_0.10.toml"}) {  // along the hip, and the time
+    const std::string text = text_of(std::string(STILT_GAITS) + shipped);
+    const std::size_t outputs = text.find("[outputs]");
+    const std::size_t feedback = text.find("[feedback]");
+    std::ofstream(file("bare.toml")) << "format = 1\nrobot = \"amber3m\"\n"
+                                     << text.substr(outputs, feedback - outputs);
+    const Outcome outcome = run("complete " + file("bare.toml") + " --out " + file("full.toml"));
+    ASSERT_EQ(outcome.status, 0) << shipped << ": " << outcome.output << outcome.errors;
+    EXPECT_EQ(run("check " + file("full.toml")).status, 0) << shipped;
+  }
 }
 
 TEST_F(GaitCommand, AGaitFromElsewhereWithoutAMotionIsRefusedWithTheMistakeThatWasMade) {

@@ -221,6 +221,38 @@ TEST(CompleteMotion, FindsTheMotionAgainFromOutputsAlone) {
   }
 }
 
+TEST(CompleteMotion, FindsThePlacementOfAGaitAgainstTime) {
+  const StepTask slow = task_at(0.1);
+  const GaitRecord record =
+      make_record(testing_support::amber3m(), slow, synthesize(testing_support::amber3m(), slow));
+  for (const GaitRecord* one : {&stepping_record(), &record}) {
+    GaitRecord found = bare(*one);
+    complete_motion(testing_support::amber3m(), found.gait);
+    const GaitCheck check = check_gait(testing_support::amber3m(), found);
+    EXPECT_TRUE(check.valid()) << joined(check.violations);
+    for (std::size_t i = 0; i < gait::kReducedStates; ++i) {
+      EXPECT_NEAR(found.gait.feedback.placement[i], one->gait.feedback.placement[i], 1e-3) << i;
+    }
+  }
+}
+
+TEST(CompleteMotion, KeepsAPlacementThatWasGiven) {
+  GaitRecord found = bare(stepping_record());
+  found.gait.feedback = stepping_gait().feedback;
+  found.gait.feedback.placement[0] += 0.01;
+  const gait::OutputFeedback given = found.gait.feedback;
+  complete_motion(testing_support::amber3m(), found.gait);
+  EXPECT_TRUE(std::ranges::equal(found.gait.feedback.placement, given.placement));
+  const GaitCheck check = check_gait(testing_support::amber3m(), found);
+  EXPECT_TRUE(check.valid()) << joined(check.violations);
+}
+
+TEST(CompleteMotion, LeavesTheFeetOfAGaitAlongTheHip) {
+  GaitRecord found = bare(walking_record());
+  complete_motion(testing_support::amber3m(), found.gait);
+  EXPECT_TRUE(std::ranges::all_of(found.gait.feedback.placement, [](double gain) { return gain == 0.0; }));
+}
+
 TEST(CompleteMotion, TakesOutputsOfEveryDegreeFromFourToSeven) {
   for (int degree = 4; degree <= 7; ++degree) {
     StepTask task = task_at(0.5);
