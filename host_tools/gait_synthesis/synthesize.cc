@@ -29,6 +29,11 @@ std::string short_text(double value) {
   return text;
 }
 
+NoGait no_gait(const StepTask& task, const std::string& reason) {
+  return NoGait("no gait at " + short_text(task.speed_m_s) + " m/s: " + reason +
+                "; try another step time or wider limits");
+}
+
 }  // namespace
 
 std::optional<CostKind> cost_of_name(std::string_view name) {
@@ -46,18 +51,17 @@ Synthesis synthesize(const model::RobotModel& robot, const StepTask& task) {
   const StepProgram program(robot, task);
   const Eigen::VectorXd start = initial_guess(robot.constants, task, program);
   const nonlinear_program::IpoptSolution solution = nonlinear_program::solve(program, start, {});
-  if (!solution.solved) {
-    throw NoGait("no gait at " + short_text(task.speed_m_s) + " m/s: " + solution.status +
-                 "; try another step time or wider limits");
-  }
+  if (!solution.solved) throw no_gait(task, solution.status);
   Synthesis result;
   result.gait.step_time_s = task.step_time_s;
   result.gait.step_length_m = task.step_length_m();
   result.gait.outputs = program.outputs(solution.v);
-  fit_motion(robot, program.start_state(solution.v), result.gait);
-  if (!place_feet(robot, result.gait)) {
-    throw NoGait("no gait at " + short_text(task.speed_m_s) + " m/s: a slightly disturbed step falls");
+  try {
+    fit_motion(robot, program.start_state(solution.v), result.gait);
+  } catch (const std::runtime_error& error) {
+    throw no_gait(task, error.what());
   }
+  if (!place_feet(robot, result.gait)) throw no_gait(task, "a slightly disturbed step falls");
   result.gait.speed_m_s = task.speed_m_s;
   const double length_m = std::abs(task.step_length_m());
   result.cost_per_m = solution.cost * task.step_time_s / (length_m > 0.0 ? length_m : 1.0);

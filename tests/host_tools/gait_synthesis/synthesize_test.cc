@@ -67,6 +67,20 @@ TEST(Synthesis, SaysSoWhenThereIsNoGait) {
   EXPECT_THROW((void)synthesize(testing_support::amber3m(), task), NoGait);
 }
 
+TEST(Synthesis, SaysSoWhenTheOptimumIsNoMotionOfTheHybridModel) {
+  StepTask task = task_at(0.5);
+  task.elements = 1;  // far too coarse
+  task.element_degree = 3;
+  try {
+    (void)synthesize(testing_support::amber3m(), task);
+    FAIL() << "a gait";
+  } catch (const NoGait& none) {
+    EXPECT_STREQ(none.what(),
+                 "no gait at 0.5 m/s: the outputs give no periodic motion; try another step time or wider "
+                 "limits");
+  }
+}
+
 TEST(Synthesis, EveryCostGivesItsOwnGait) {
   std::vector<double> squared_torque;
   for (const CostKind cost :
