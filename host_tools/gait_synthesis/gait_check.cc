@@ -36,7 +36,8 @@ class Verdict {
     if (!(value >= bound)) violations_.push_back({name, value, Violation::Bound::at_least, bound});
   }
   void as_claimed(const std::string& name, double value, double claim, double tolerance) {
-    if (!(std::abs(value - claim) <= tolerance)) violations_.push_back({name, value, claimed, claim});
+    const bool near = std::isfinite(claim) && std::abs(value - claim) <= tolerance;
+    if (!near && value != claim) violations_.push_back({name, value, claimed, claim});
   }
   [[nodiscard]] const std::vector<Violation>& violations() const { return violations_; }
 

@@ -26,14 +26,17 @@ class Wrong : public std::runtime_error {
 /// One table of the file, with messages that name the place.
 class Table {
  public:
-  Table(const toml::table& table, std::string name) : table_(table), name_(std::move(name)) {}
+  enum class Numbers { finite, any };
+
+  Table(const toml::table& table, std::string name, Numbers allowed = Numbers::finite)
+      : table_(table), name_(std::move(name)), allowed_(allowed) {}
 
   [[nodiscard]] bool has(const char* key) const { return table_.contains(key); }
 
   [[nodiscard]] double number(const char* key) const {
     const toml::node* node = table_.get(key);
     const auto value = node != nullptr ? node->value<double>() : std::nullopt;
-    if (!value || !std::isfinite(*value)) throw Wrong(place(key) + " must be a number");
+    if (!value || !allows(*value)) throw Wrong(place(key) + " must be a number");
     return *value;
   }
 
@@ -79,7 +82,7 @@ class Table {
     }
     for (std::size_t i = 0; i < values.size(); ++i) {
       const auto value = array->get(i)->value<double>();
-      if (!value || !std::isfinite(*value)) throw Wrong(place(key) + " must hold finite numbers alone");
+      if (!value || !allows(*value)) throw Wrong(place(key) + " must hold finite numbers alone");
       values[i] = *value;
     }
   }
@@ -114,19 +117,21 @@ class Table {
     know(all);
   }
 
-  [[nodiscard]] Table table(const char* key) const {
+  [[nodiscard]] Table table(const char* key, Numbers allowed = Numbers::finite) const {
     const toml::table* inner = table_.get_as<toml::table>(key);
     if (inner == nullptr) throw Wrong("the table [" + std::string(key) + "] is missing");
-    return {*inner, key};
+    return {*inner, key, allowed};
   }
 
   [[nodiscard]] const toml::table& raw() const { return table_; }
 
  private:
+  [[nodiscard]] bool allows(double value) const { return allowed_ == Numbers::any || std::isfinite(value); }
   [[nodiscard]] std::string place(const char* key) const { return name_.empty() ? key : name_ + "." + key; }
 
   const toml::table& table_;
   std::string name_;
+  Numbers allowed_;
 };
 
 gait::GaitOutputs read_outputs(const Table& table) {
@@ -198,7 +203,9 @@ GaitRecord read(const Table& file, const std::filesystem::path& folder) {
     if (gait.step_time_s == 0.0) throw Wrong("step_time_s must be given with [states]");
   }
   if (file.has("limits")) file.table("limits").fields(limit_fields(), record.limits);
-  if (file.has("claims")) file.table("claims").fields(metric_fields(), record.claims.emplace());
+  if (file.has("claims")) {  // the largest eigenvalue of a gait that falls is infinite
+    file.table("claims", Table::Numbers::any).fields(metric_fields(), record.claims.emplace());
+  }
   if (file.has("origin")) {
     for (const auto& [key, node] : file.table("origin").raw()) {
       record.origin.emplace_back(key.str(), node.value<std::string>().value_or(""));

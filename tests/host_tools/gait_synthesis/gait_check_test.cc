@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include "firmware/configuration/gaits/gait_file.h"
@@ -161,6 +162,23 @@ TEST(Check, WhatIsNotANumberKeepsNoBoundAndMakesNoClaimTrue) {
   EXPECT_EQ(check.violations[0].name, "torque_Nm");
   EXPECT_EQ(check.violations[1].name, "knee_min_rad");
   EXPECT_EQ(check.violations[2].name, "claim pitch_max_rad");
+}
+
+TEST(Check, AnInfiniteClaimIsTrueOfAnInfiniteValueAlone) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  GaitRecord pulls = walking_record();
+  pulls.gait.outputs.angle_rad[1][3] += 1.1;  // so fast a stance knee that the foot would lift off
+  pulls.gait.outputs.angle_rad[0][3] -= 0.55;
+  pulls.gait.step_time_s = pulls.gait.speed_m_s = 0.0;  // to be found
+  complete_motion(testing_support::amber3m(), pulls.gait);
+  pulls.claims = check_gait(testing_support::amber3m(), pulls).metrics;
+  ASSERT_EQ(pulls.claims->friction_ratio_max, kInfinity);
+  EXPECT_FALSE(violates(pulls, "claim friction_ratio_max"));
+  pulls.claims->friction_ratio_max = 0.5;
+  EXPECT_TRUE(violates(pulls, "claim friction_ratio_max"));
+  GaitRecord walks = walking_record();
+  walks.claims->friction_ratio_max = kInfinity;
+  EXPECT_TRUE(violates(walks, "claim friction_ratio_max"));
 }
 
 TEST(Check, NamesAClaimThatIsNotTrue) {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -53,6 +55,21 @@ TEST(GaitFile, ReadsBackWhatWasWrittenBitForBit) {
   }
 }
 
+TEST(GaitFile, ReadsBackClaimsThatAreNotFinite) {
+  auto record = parse_gait(shipped_gaits()[0].text, "shipped");
+  ASSERT_TRUE(record) << record.error();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  record->claims->friction_ratio_max = record->claims->return_map_eigenvalues[0] = kInfinity;
+  record->claims->clearance_m = -kInfinity;
+  record->claims->defect_max = std::nan("");
+  const auto again = parse_gait(to_toml(*record), "again");
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_EQ(again->claims->friction_ratio_max, kInfinity);
+  EXPECT_EQ(again->claims->return_map_eigenvalues[0], kInfinity);
+  EXPECT_EQ(again->claims->clearance_m, -kInfinity);
+  EXPECT_TRUE(std::isnan(again->claims->defect_max));
+}
+
 TEST(GaitFile, MayHoldOutputsAloneAndTakesDefaultsForTheRest) {
   const auto record = parse_gait(kBare, "bare.toml");
   ASSERT_TRUE(record) << record.error();
@@ -97,6 +114,7 @@ TEST(GaitFile, SaysWhatIsWrongWhereAndWhatWouldBeRight) {
   EXPECT_EQ(error_of("format = 1\nrobot = \"amber3m\"\n"), "gait.toml: the table [outputs] is missing");
   EXPECT_EQ(error_of(kBare + "[limits]\ntorque_nm = 3\n"),
             "gait.toml: limits.torque_nm is not known; docs/gaits.md lists the keys");
+  EXPECT_EQ(error_of(kBare + "[limits]\ntorque_Nm = inf\n"), "gait.toml: limits.torque_Nm must be a number");
   EXPECT_EQ(error_of(kBare + "[states]\ndegree = 2\n"), "gait.toml: the table [inputs] is missing");
   EXPECT_EQ(error_of(kBare + "[inputs]\n"), "gait.toml: the table [states] is missing");
   EXPECT_EQ(error_of("format = "), error_of("format = "));
