@@ -60,10 +60,11 @@ class FeedbackFlow {
   double shift_rad_;
 };
 
-bool fallen(const StateVector& x) {
-  constexpr double kLowest_m = 0.3;
+bool fallen(const model::RobotConstants& robot, const StateVector& x) {
+  constexpr double kLowestShare = 0.3436;  // of the straight leg
   constexpr double kLargestPitch_rad = 1.2;
-  return !x.allFinite() || x[1] < kLowest_m || std::abs(x[2]) > kLargestPitch_rad;
+  const double lowest_m = kLowestShare * (robot.thigh_length_m + robot.shin_length_m);
+  return !x.allFinite() || x[1] < lowest_m || std::abs(x[2]) > kLargestPitch_rad;
 }
 
 /// Part of the step h after which the swing foot reaches the ground, by regula falsi with bisection
@@ -197,7 +198,7 @@ std::optional<StepOutcome> integrate_step(const model::RobotModel& robot, const 
     const double time_s = i * h;
     if (options.keep_samples) outcome.samples.push_back({time_s, x});
     const StateVector next = flow.step(x, time_s, h);
-    if (fallen(next)) return std::nullopt;
+    if (fallen(robot.constants, next)) return std::nullopt;
     const bool second_half = phase_of(gait.outputs, next, time_s + h) > 0.5;
     if (second_half && swing_height_m(robot, next) <= 0.0 && swing_height_m(robot, x) > 0.0) {
       const double part = time_to_ground(robot, flow, x, time_s, h);

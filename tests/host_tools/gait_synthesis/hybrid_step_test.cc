@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "host_tools/gait_synthesis/return_map.h"
@@ -165,6 +166,44 @@ TEST(IntegrateStep, ReportsWhenTheRobotFalls) {
   r[kReducedStates / 2] = -8.0;
   EXPECT_FALSE(
       integrate_step(testing_support::amber3m(), walking_gait(), expand(testing_support::amber3m(), r)));
+}
+
+/// AMBER-3M of `scale` times its size, of the same density.
+model::RobotModel scaled(double scale) {
+  model::RobotConstants robot = testing_support::amber3m().constants;
+  const double mass = std::pow(scale, 3);
+  const double inertia = std::pow(scale, 5);
+  const double factors[] = {mass, scale, inertia,         // torso: mass, centre of mass, inertia
+                            mass, scale, inertia, scale,  // thigh: length, too
+                            mass, scale, inertia, scale};
+  static_assert(std::size(factors) == model::kNumbers);
+  for (int i = 0; i < model::kNumbers; ++i) robot.numbers[i] *= factors[i];
+  for (int j = 0; j < kJoints; ++j) robot.joint_parameters[j] *= inertia;
+  return model::make_robot(robot);
+}
+
+/// Robots of one shape walk alike: lengths grow with the scale, and times with its root.
+TEST(IntegrateStep, ASmallRobotStepsAsALargeOneDoes) {
+  const ReducedState nominal = reduce(start_of_motion(walking_gait()));
+  const auto large =
+      integrate_step(testing_support::amber3m(), walking_gait(), expand(testing_support::amber3m(), nominal));
+  ASSERT_TRUE(large);
+  for (const double scale : {0.3, 2.0}) {
+    const double time = std::sqrt(scale);
+    gait::HzdGait gait = walking_gait();
+    gait.outputs.phase_start *= scale;
+    gait.outputs.phase_end *= scale;
+    gait.step_time_s *= time;
+    gait.feedback.kp_1_s2 /= scale;
+    gait.feedback.kd_1_s /= time;
+    const model::RobotModel robot = scaled(scale);
+    ReducedState start = nominal;
+    start.tail<model::kAngles>() /= time;
+    const auto step = integrate_step(robot, gait, expand(robot, start));
+    ASSERT_TRUE(step) << "scale " << scale;
+    EXPECT_NEAR(step->duration_s, time * large->duration_s, 1e-9) << "scale " << scale;
+    EXPECT_NEAR(step->after[1], scale * large->after[1], 1e-9) << "scale " << scale;
+  }
 }
 
 TEST(ReturnMap, HasTheEigenvalueThatTheMomentumAboutTheStanceFootGives) {
