@@ -162,12 +162,25 @@ void write_gait(GaitRecord record, const std::string& file) {
   write_output_file("--out", file, gait_files::to_toml(record));
 }
 
+/// What a gait that was found lacks besides its limits, on standard error.
+void advise(const GaitCheck& check) {
+  std::string names;
+  for (const gait_synthesis::Violation& violation : check.violations) {
+    if (violation.accuracy) names += (names.empty() ? "" : ", ") + violation.name;
+  }
+  if (names.empty()) return;
+  std::cerr << "stilt: accuracy of this search, no limits of yours: " << names
+            << "; --cost acceleration --degree 5 finds smoother gaits (docs/gaits.md)\n";
+}
+
 int synthesize(const GaitOptions& options) {
   const model::RobotModel& robot = gait_robot(options.robot);
   const StepTask task = task_of(options);
   const GaitRecord record = gait_synthesis::make_record(robot, task, gait_synthesis::synthesize(robot, task));
-  return report(record, gait_synthesis::check_gait(robot, record), options,
-                [&] { write_gait(record, options.out); });
+  const GaitCheck result = gait_synthesis::check_gait(robot, record);
+  const int status = report(record, result, options, [&] { write_gait(record, options.out); });
+  advise(result);
+  return status;
 }
 
 int check(const GaitOptions& options) {
@@ -199,6 +212,7 @@ int add_gait(const model::RobotModel& robot, const GaitOptions& options, nlohman
     if (options.json_file != "-") print(record, result);
     const auto file = std::filesystem::path(options.out) / file_name(record.robot, options.speed_m_s);
     write_gait(record, file.string());
+    advise(result);
     return result.valid() ? 0 : 1;
   } catch (const gait_synthesis::NoGait& none) {
     std::cerr << "stilt: " << none.what() << '\n';

@@ -24,6 +24,10 @@ class Verdict {
   void at_most(const std::string& name, double value, double bound) {
     if (!(value <= bound)) violations_.push_back({name, value, Violation::Bound::at_most, bound});
   }
+  void accurate(const std::string& name, double value, double tolerance) {
+    if (!(value <= tolerance))
+      violations_.push_back({name, value, Violation::Bound::at_most, tolerance, true});
+  }
   /// Of several joints the one with the least room below its bound.
   void each_at_most(const std::string& name, const double* values, const double* bounds) {
     int worst = 0;
@@ -146,13 +150,13 @@ GaitCheck check_gait(const model::RobotModel& robot, const gait_files::GaitRecor
   const GaitMetrics& f = check.metrics;
   const gait::HzdGait& gait = record.gait;
   Verdict verdict;
-  verdict.at_most("defect", f.defect_max, tolerances.defect);
-  verdict.at_most("periodicity", f.periodicity_error, tolerances.periodicity);
-  verdict.at_most("outputs", f.output_error_max_rad, tolerances.output_rad);
-  verdict.at_most("torque_curve", f.torque_error_max_Nm, tolerances.torque_Nm);
-  verdict.at_most("replay", f.replay_error_max, tolerances.replay);
-  verdict.at_most("speed", std::abs(gait.speed_m_s - gait.step_length_m / gait.step_time_s),
-                  tolerances.speed_m_s);
+  verdict.accurate("defect", f.defect_max, tolerances.defect);
+  verdict.accurate("periodicity", f.periodicity_error, tolerances.periodicity);
+  verdict.accurate("outputs", f.output_error_max_rad, tolerances.output_rad);
+  verdict.accurate("torque_curve", f.torque_error_max_Nm, tolerances.torque_Nm);
+  verdict.accurate("replay", f.replay_error_max, tolerances.replay);
+  verdict.accurate("speed", std::abs(gait.speed_m_s - gait.step_length_m / gait.step_time_s),
+                   tolerances.speed_m_s);
   check_limits(robot.constants, f, record.limits, verdict);
   if (record.claims) check_claims(f, *record.claims, tolerances, verdict);
   check.violations = verdict.violations();

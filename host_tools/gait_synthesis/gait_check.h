@@ -27,6 +27,7 @@ struct Violation {
   double value = 0.0;  ///< computed; of several joints the worst one
   Bound kind = Bound::at_most;
   double bound = 0.0;
+  bool accuracy = false;  ///< of the motion in the file; neither a limit nor a claim
 
   /// "clearance_m 0.008, at least 0.01"
   [[nodiscard]] std::string text() const;

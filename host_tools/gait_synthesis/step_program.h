@@ -15,7 +15,7 @@ struct StepTask {
   double step_time_s = 0.3;
   gait::PhaseKind phase = gait::PhaseKind::hip_position;
   int output_degree = 6;
-  int elements = 8;        ///< equal parts of the step
+  int elements = 8;        ///< equal parts of the step, at first
   int element_degree = 4;  ///< of the polynomials within one element; the order of accuracy is twice that
   CostKind cost = CostKind::torque_squared;
   gait_files::GaitLimits limits;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host_tools/gait_synthesis/gait_check.h"
 #include "host_tools/gait_synthesis/gait_metrics.h"
 #include "host_tools/gait_synthesis/initial_guess.h"
 #include "host_tools/gait_synthesis/motion_fit.h"
@@ -47,7 +48,10 @@ gait::PhaseKind phase_for_speed(double speed_m_s) {
   return std::abs(speed_m_s) < kSlowestByHip_m_s ? gait::PhaseKind::time : gait::PhaseKind::hip_position;
 }
 
-Synthesis synthesize(const model::RobotModel& robot, const StepTask& task) {
+namespace {
+
+/// The gait of a task on its own grid.
+Synthesis on_grid(const model::RobotModel& robot, const StepTask& task) {
   const StepProgram program(robot, task);
   const Eigen::VectorXd start = initial_guess(robot.constants, task, program);
   const nonlinear_program::IpoptSolution solution = nonlinear_program::solve(program, start, {});
@@ -66,7 +70,38 @@ Synthesis synthesize(const model::RobotModel& robot, const StepTask& task) {
   const double length_m = std::abs(task.step_length_m());
   result.cost_per_m = solution.cost * task.step_time_s / (length_m > 0.0 ? length_m : 1.0);
   result.iterations = solution.iterations;
+  result.elements = task.elements;
   result.solution = solution.v;
+  return result;
+}
+
+/// Whether the optimum is the motion of the hybrid model only roughly: its outputs are not hybrid invariant,
+/// or its speed is another one. A finer grid mends that. It does not make a motion smooth that polynomials of
+/// kMotionDegree follow roughly.
+bool too_coarse(const model::RobotModel& robot, const StepTask& task, const gait::HzdGait& gait) {
+  const CheckTolerances tolerances;
+  const gait_files::GaitMetrics metrics = gait_metrics(robot, gait);
+  const bool smooth =
+      metrics.defect_max <= tolerances.defect && metrics.periodicity_error <= tolerances.periodicity;
+  const double speed_error_m_s = std::abs(gait.step_length_m / gait.step_time_s - task.speed_m_s);
+  return smooth &&
+         (metrics.output_error_max_rad > tolerances.output_rad || speed_error_m_s > tolerances.speed_m_s);
+}
+
+}  // namespace
+
+Synthesis synthesize(const model::RobotModel& robot, const StepTask& task) {
+  constexpr int kDoublings = 2;
+  Synthesis result = on_grid(robot, task);
+  StepTask finer = task;
+  for (int i = 0; i < kDoublings && too_coarse(robot, task, result.gait); ++i) {
+    finer.elements *= 2;
+    try {
+      result = on_grid(robot, finer);
+    } catch (const NoGait&) {
+      break;  // the check of the coarser one names what it lacks
+    }
+  }
   return result;
 }
 
@@ -83,7 +118,7 @@ gait_files::GaitRecord make_record(const model::RobotModel& robot, const StepTas
       // in alphabetical order, in which they are read back
       {"asked", short_text(task.speed_m_s) + " m/s, step time " + short_text(task.step_time_s) + " s"},
       {"cost", short_text(synthesis.cost_per_m) + ": " + meaning},
-      {"method", "direct collocation (Lobatto IIIA, " + std::to_string(task.elements) +
+      {"method", "direct collocation (Lobatto IIIA, " + std::to_string(synthesis.elements) +
                      " elements of degree " + std::to_string(task.element_degree) + "), solved by Ipopt in " +
                      std::to_string(synthesis.iterations) +
                      " iterations; then the periodic motion of the hybrid model under these outputs"},

@@ -22,7 +22,8 @@ struct Synthesis {
   /// Integral of the cost over a step, divided by the step length; at speed 0 not divided.
   double cost_per_m = 0.0;
   int iterations = 0;        ///< of Ipopt
-  Eigen::VectorXd solution;  ///< variables of StepProgram
+  int elements = 0;          ///< of the grid
+  Eigen::VectorXd solution;  ///< variables of StepProgram on that grid
 };
 
 /// Below this speed the hip moves too little in a step to define the phase. The outputs then follow the time
@@ -34,7 +35,8 @@ inline constexpr double kSlowestByHip_m_s = 0.15;
 [[nodiscard]] std::optional<CostKind> cost_of_name(std::string_view name);
 
 /// Finds the gait of a task. Step time and step length of the gait are those of the hybrid model's periodic
-/// motion. They differ from the task's by the error of the collocation. Throws NoGait.
+/// motion. They differ from the task's by the error of the collocation. While that error is beyond the
+/// tolerances of the check, the elements are doubled, at most twice. Throws NoGait.
 [[nodiscard]] Synthesis synthesize(const model::RobotModel& robot, const StepTask& task);
 
 /// The content of a gait file: the gait, its limits, its metrics as claims, and how it was made.

@@ -110,6 +110,24 @@ TEST_F(GaitCommand, SynthesizesChecksAndShowsAGait) {
   EXPECT_NE(text_of(file("a.html")).find("<svg"), std::string::npos);
 }
 
+TEST_F(GaitCommand, AGaitThatIsTooRoughForTheSearchIsSaidToBe) {
+  std::string urdf = text_of(STILT_URDF);
+  const std::string inertia = "<rotorInertia>5.1e-5</rotorInertia>";
+  for (std::size_t at = 0; (at = urdf.find(inertia)) != std::string::npos;) {
+    urdf.replace(at, inertia.size(), "<rotorInertia>6e-6</rotorInertia>");  // 0.05 kg m^2 at the joint
+  }
+  std::ofstream(file("mine.urdf")) << urdf;
+  const std::string robot = "--robot " + file("mine.urdf") + " --out " + file("mine.toml");
+  const Outcome rough = run("synthesize --speed 0.2 " + robot);
+  EXPECT_EQ(rough.status, 1);
+  EXPECT_NE(rough.errors.find("stilt: accuracy of this search, no limits of yours: periodicity"),
+            std::string::npos)
+      << rough.errors;
+  const Outcome smooth = run("synthesize --speed 0.2 --cost acceleration --degree 5 " + robot);
+  EXPECT_EQ(smooth.status, 0) << smooth.output;
+  EXPECT_EQ(smooth.errors.find("accuracy"), std::string::npos) << smooth.errors;
+}
+
 TEST_F(GaitCommand, MakesALibraryWithOneFilePerSpeed) {
   ASSERT_EQ(run("library --from -0.1 --to 0.1 --step 0.1 --out " + file("library")).status, 0);
   for (const char* name : {"amber3m_-0.10.toml", "amber3m_0.00.toml", "amber3m_0.10.toml"}) {

@@ -154,6 +154,19 @@ TEST(Check, AViolationHasTheValueThatWasComputedAndItsBound) {
   EXPECT_STREQ(name(found[3].kind), "claimed");
 }
 
+TEST(Check, TheAccuracyOfAMotionIsNoLimit) {
+  GaitRecord record = walking_record();
+  record.limits.torque_Nm = 20.0;
+  record.gait.motion.position[2][7] += 1e-3;
+  record.claims.reset();
+  std::vector<std::string> accuracy;
+  for (const Violation& violation : check_gait(testing_support::amber3m(), record).violations) {
+    if (violation.accuracy) accuracy.push_back(violation.name);
+  }
+  EXPECT_EQ(std::ranges::count(accuracy, "defect"), 1);
+  EXPECT_EQ(std::ranges::count(accuracy, "torque_Nm"), 0);
+}
+
 TEST(Check, WhatIsNotANumberKeepsNoBoundAndMakesNoClaimTrue) {
   GaitRecord record = walking_record();
   record.limits.torque_Nm = record.limits.knee_min_rad = record.claims->pitch_max_rad = std::nan("");

@@ -81,6 +81,25 @@ TEST(Synthesis, SaysSoWhenTheOptimumIsNoMotionOfTheHybridModel) {
   }
 }
 
+TEST(Synthesis, DoublesTheElementsOfAGridThatIsTooCoarse) {
+  EXPECT_EQ(synthesize(testing_support::amber3m(), task_at(0.5)).elements, task_at(0.5).elements);
+  StepTask task = task_at(0.5);
+  task.elements = 2;
+  const Synthesis found = synthesize(testing_support::amber3m(), task);
+  EXPECT_EQ(found.elements, 8);
+  const GaitRecord record = make_record(testing_support::amber3m(), task, found);
+  const GaitCheck check = check_gait(testing_support::amber3m(), record);
+  EXPECT_TRUE(check.valid()) << joined(check.violations);
+}
+
+TEST(Synthesis, FindsGaitsOfDrivesWithLittleReflectedInertia) {
+  model::RobotModel robot = testing_support::amber3m();
+  for (int j = 0; j < model::kJoints; ++j) robot.constants.joint_parameters[j] = 0.05;
+  const GaitRecord record = make_record(robot, task_at(0.5), synthesize(robot, task_at(0.5)));
+  const GaitCheck check = check_gait(robot, record);
+  EXPECT_TRUE(check.valid()) << joined(check.violations);
+}
+
 TEST(Synthesis, EveryCostGivesItsOwnGait) {
   std::vector<double> squared_torque;
   for (const CostKind cost :
