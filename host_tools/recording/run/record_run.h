@@ -18,9 +18,10 @@ struct RecordRun {
 
 /// Reads the run with most ticks of a record of stilt record: estimate, torques that the drivers report,
 /// plans for drawing, solves, events, settings. Times are those of the controller, s since tick 0. What only
-/// a simulation has is NaN. Steps are touch-downs of measured foot forces where the robot has such sensors,
-/// otherwise those of the plans. Throws std::runtime_error, one sentence, when the file is no record, has
-/// another wire version, or lacks configuration or ticks.
+/// a simulation has is NaN, and so is the place of the hip while the robot is off its feet. Steps are
+/// touch-downs of measured foot forces where the robot has such sensors, otherwise those of the plans. Throws
+/// std::runtime_error, one sentence, when the file is no record, has another wire version, or lacks
+/// configuration or ticks.
 [[nodiscard]] RecordRun run_of_record(const std::string& path);
 
 }  // namespace stilt::record

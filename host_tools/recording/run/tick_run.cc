@@ -22,6 +22,18 @@ std::optional<model::FeetVector> forces_for_steps(const log::RunSample& sample,
   return forces;
 }
 
+/// The estimate of a tick. All of it is unknown before the first readings. Off its feet the robot has no
+/// place of its hip, which is put at 0 then, and no rates of it.
+model::StateVector estimate_of(const control_loop::TickRecord& tick) {
+  model::StateVector state = Eigen::Map<const model::StateVector>(tick.estimated_state.data());
+  if (state.isZero(0.0)) state.setConstant(kUnknown);
+  if (tick.stance_episode == 0) {
+    state.head<model::kFirstAngle>().setConstant(kUnknown);
+    state.segment<model::kFirstAngle>(model::kPositions).setConstant(kUnknown);
+  }
+  return state;
+}
+
 }  // namespace
 
 void summarise_steps(const std::vector<log::Step>& steps, log::RunSummary& summary) {
@@ -41,7 +53,8 @@ void TickRun::add(const control_loop::TickRecord& tick) {
   const auto plan = tick.plan_sequence >= 0 ? plans_.at(time_s) : std::nullopt;
   log::RunSample sample = sample_of(time_s, tick, plan);
   note(time_s, tick, sample);
-  if (const auto forces_N = forces_for_steps(sample, plan)) {
+  const auto forces_N = tick.stance_episode > 0 ? forces_for_steps(sample, plan) : std::nullopt;
+  if (forces_N) {
     steps_.update(time_s, *forces_N, sample.foot_position_m, sample.estimated_state[0]);
   } else {
     steps_.forget_swings();
@@ -65,8 +78,7 @@ log::RunSample TickRun::sample_of(double time_s, const control_loop::TickRecord&
   log::RunSample sample;
   sample.time_s = time_s;
   sample.true_state.setConstant(kUnknown);
-  sample.estimated_state = Eigen::Map<const model::StateVector>(tick.estimated_state.data());
-  if (sample.estimated_state.isZero(0.0)) sample.estimated_state.setConstant(kUnknown);  // before the first
+  sample.estimated_state = estimate_of(tick);
   sample.planned_state.setConstant(kUnknown);
   sample.planned_contact_force_N.setConstant(kUnknown);
   sample.contact_force_N << kUnknown, tick.base.left_foot_force_N, kUnknown, tick.base.right_foot_force_N;
@@ -84,7 +96,6 @@ log::RunSample TickRun::sample_of(double time_s, const control_loop::TickRecord&
   return sample;
 }
 
-/// While the robot is not on its feet the estimate's hip is put anywhere; it does not count.
 void TickRun::note(double time_s, const control_loop::TickRecord& tick, const log::RunSample& sample) {
   const double x_m = sample.estimated_state[0];
   if (!begun_) first_s_ = time_s;

@@ -16,7 +16,8 @@ namespace stilt::record {
 /// What a file does not hold.
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Makes a run of ticks of stiltd: samples and summary. What only a simulation has is NaN.
+/// Makes a run of ticks of stiltd: samples and summary. What only a simulation has is NaN, and so is the
+/// place of the hip while the robot is off its feet.
 class TickRun {
  public:
   /// @param robot     whose legs they are

@@ -4,6 +4,9 @@
 /** How long a sample of the simulation is drawn when no newer one has come. */
 const kTruthLife_s = 0.5;
 
+/** Shown beside the pose of a robot off its feet. */
+const kHipUnknown = 'Pose of the joints; the place of the hip is not known off its feet';
+
 class RobotData {
   /**
    * `stateGroup`: columns of the table `ticks` with the state that is drawn. `planLife_s`: how long after its start a
@@ -15,7 +18,7 @@ class RobotData {
     this.geometry = null;  // lengths of the links and torque limits
     this.ground = { x_m: [], z_m: [] };
     this.other = null;  // another RobotData, of a run to compare with
-    this.hipUnknown = false;  // the state that is drawn has a hip put anywhere
+    this.hipUnknown = false;  // whether the last stateAt() has a hip put anywhere, as of a robot off its feet
     this.clear();
   }
 
@@ -28,11 +31,15 @@ class RobotData {
     this.push_N = 0;
   }
 
-  /** State x (14 numbers) at `time_s`, or null. */
+  /** State x (14 numbers) at `time_s`, or null. Without a place of its hip the lowest foot stands on the ground at 0. */
   stateAt(time_s) {
     const ticks = this.tables?.ticks;
     const state = ticks?.at(ticks.group(this.stateGroup), time_s);
-    return state?.slice(0, 7).every(Number.isFinite) ? state : null;
+    const known = Boolean(this.geometry) && (state?.slice(2, 7).every(Number.isFinite) ?? false);
+    this.hipUnknown = known && !state.slice(0, 2).every(Number.isFinite);
+    if (!this.hipUnknown) return known ? state : null;
+    const { left, right } = poseOfState(this.geometry, [0, 0, ...state.slice(2, 7)]);
+    return [0, -Math.min(left.foot.z, right.foot.z), ...state.slice(2)];
   }
 
   /** Mean forward speed over the second before `time_s`, or null. */

@@ -3,6 +3,7 @@
 const kBelowGround_px = 40;
 const kReadout_px = 34;
 const kRobotHeight_m = 1.42;
+const kUnknownAlpha = 0.35;
 
 class Stage {
   constructor(data) {
@@ -55,12 +56,13 @@ class Stage {
       drawPlannedTorso(view, data.geometry, data.planAt(time_s), this.colours, time_s);
       drawPlannedPaths(view, data.planAt(time_s), this.colours, time_s);
     }
-    context.globalAlpha = data.hipUnknown ? 0.35 : 1;
+    context.globalAlpha = data.hipUnknown ? kUnknownAlpha : 1;
     drawRobotAt(view, data, poseOfState(data.geometry, this.state), this.colours, time_s,
       this.showForces.checked && !data.hipUnknown, this.showCones.checked && !data.hipUnknown);
-    context.globalAlpha = 1;
     const compared = data.other?.stateAt(time_s);
+    context.globalAlpha = data.other?.hipUnknown ? kUnknownAlpha : 1;
     if (compared) drawSkeleton(view, poseOfState(data.other.geometry, compared), this.colours, 2.5, [6, 4]);
+    context.globalAlpha = 1;
   }
 
   /** Mean hip position of late, moved ahead with the speed, so that the camera glides. */

@@ -22,6 +22,7 @@ inline control_loop::TickRecord sample_tick(std::uint64_t number) {
   tick.tick = number;
   tick.time_ns = 5'000'000'000 + static_cast<std::int64_t>(number) * 1'000'000;
   tick.estimated_state[1] = 0.75;
+  tick.stance_episode = 1;
   tick.sent[2].torque_Nm = 0.125 * static_cast<double>(number);
   return tick;
 }

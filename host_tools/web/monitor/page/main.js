@@ -130,7 +130,7 @@ class Monitor {
     box.dataset.value = speed ?? '';
     if (state) document.getElementById('stage-canvas').dataset.hipX = state[0];
     document.getElementById('stage-detail').textContent = !state ? (time_s === null ? '' : 'The joints do not answer, so no pose is known')
-      : this.robot.hipUnknown ? 'Pose of the joints; the place of the hip is not known off its feet'
+      : this.robot.hipUnknown ? kHipUnknown
       : `x ${signed(state[0], 2)} m · hip ${state[1].toFixed(3)} m high · pitch ${signed((state[2] * 180) / Math.PI, 1)}°`;
   }
 

@@ -50,17 +50,6 @@ class RobotState extends RobotData {
     return columns.reduce((sum, values) => sum + values.byteLength, 0);
   }
 
-  /** Off its feet the place of the hip is not known: the pose is drawn with its lowest foot on the ground. */
-  stateAt(time_s) {
-    const ticks = this.tables?.ticks;
-    const state = ticks?.at(ticks.group(this.stateGroup), time_s);
-    if (!state?.slice(2, 7).every(Number.isFinite) || !this.geometry) return null;
-    this.hipUnknown = !Number.isFinite(state[0]) || !Number.isFinite(state[1]);
-    if (!this.hipUnknown) return state;
-    const { left, right } = poseOfState(this.geometry, [0, 0, ...state.slice(2, 7)]);
-    return [0, -Math.min(left.foot.z, right.foot.z), ...state.slice(2)];
-  }
-
   greet(hello) {
     this.hello = hello;
     this.configuration = null;

@@ -23,7 +23,7 @@ function earlierPoses(run, time, options) {
   for (let age = options.poses; age >= 1; --age) {
     const then = time - age * options.spacing_s;
     const state = then >= run.start_s ? run.stateAt(then) : null;
-    if (state) list.push({ pose: poseOfState(run.geometry, state), age });
+    if (state && !run.hipUnknown) list.push({ pose: poseOfState(run.geometry, state), age });
   }
   return list;
 }
@@ -37,8 +37,9 @@ function drawStill(run, options) {
   if (!state) return;
   const colours = readColours();
   const pose = poseOfState(run.geometry, state);
-  const earlier = earlierPoses(run, time, options);
-  const nodes = run.planAt(time);
+  const placed = !run.hipUnknown;
+  const earlier = placed ? earlierPoses(run, time, options) : [];
+  const nodes = placed ? run.planAt(time) : [];
   const footX = [pose, ...earlier.map((entry) => entry.pose)].flatMap((p) => [p.hip.x, p.left.foot.x, p.right.foot.x]);
   const planX = nodes.flatMap((node) => [node.hip.x, node.feet[0].x, node.feet[1].x]);
   const from = Math.min(...footX, ...planX) - 0.25;
@@ -61,6 +62,7 @@ function drawStill(run, options) {
     const node = nodes.findLast((one) => one.time <= time + k * options.spacing_s) ?? nodes[0];
     drawSkeleton(view, poseOfNode(run.geometry, node), colours, 3);
   }
+  context.globalAlpha = placed ? 1 : kUnknownAlpha;
+  drawRobotAt(view, run, pose, colours, time, placed);
   context.globalAlpha = 1;
-  drawRobotAt(view, run, pose, colours, time);
 }

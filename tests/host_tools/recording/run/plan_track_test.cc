@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "host_tools/recording/run/tick_run.h"
@@ -105,6 +106,35 @@ TEST(TickRun, AFootTouchesDownByAPlanAndNotByTheEndOfPlans) {
   ASSERT_EQ(steps(false).size(), 1u);
   EXPECT_EQ(steps(false)[0].foot, "L");
   EXPECT_NEAR(steps(false)[0].time_s, 5.35, 1e-9);
+}
+
+/// Its estimate has the hip at the origin then.
+TEST(TickRun, OffItsFeetARobotHasNoPlaceOfItsHipAndMakesNoSteps) {
+  const PlanTrack no_plans;
+  log::RunRecord run;
+  run.controller.emplace();
+  TickRun ticks(testing_support::amber3m().constants, 0, no_plans, run);
+  for (std::uint64_t number = 0; number < 400; ++number) {
+    control_loop::TickRecord tick = sample_tick(number);
+    tick.stance_episode = number < 200 ? 0 : 1;
+    if (number < 200) tick.estimated_state[1] = 0.0;
+    tick.estimated_state[3] = 0.5;
+    tick.base.left_foot_force_N = number < 100 ? 0.0 : 100.0;  // the gantry lets it down
+    tick.base.right_foot_force_N = 100.0;
+    ticks.add(tick);
+  }
+  ticks.finish();
+  const log::RunSample &off = run.samples.at(20), &on = run.samples.at(60);
+  for (const Eigen::Index i : {0, 1, 7, 8}) {
+    EXPECT_TRUE(std::isnan(off.estimated_state[i])) << i;
+    EXPECT_FALSE(std::isnan(on.estimated_state[i])) << i;
+  }
+  EXPECT_EQ(off.estimated_state[3], 0.5) << "the joints are measured";
+  EXPECT_EQ(off.estimated_state[2], 0.0);
+  EXPECT_TRUE(std::isnan(off.foot_position_m[1]));
+  EXPECT_EQ(on.estimated_state[1], 0.75);
+  EXPECT_FALSE(std::isnan(on.foot_position_m[1]));
+  EXPECT_TRUE(run.summary.steps.empty());
 }
 
 }  // namespace

@@ -196,6 +196,8 @@ test('the report of a record shows the estimate, the events and no true state', 
   await page.keyboard.press('Home');
   await until('another picture', async () => (await pixels(page, '#stage-canvas')) !== empty);
   await picture(page, 'record_report');
+  await page.keyboard.press('End');
+  await until('a robot that sits', async () => /not known off its feet/.test(await page.textContent('#stage-detail')));
 });
 
 test('no serious finding by the rules of accessibility, in the light and in the dark', async () => {
