@@ -66,7 +66,7 @@ void TickRun::finish() {
   log::RunSummary& summary = run_.summary;
   summary.survived = last_state_ != supervisor::State::fault;
   summary.duration_s = last_s_ - first_s_;
-  summary.distance_m = feet_x_m_ - first_x_m_;
+  summary.distance_m = distance_m_;
   summary.mean_speed_m_s = walked_s_ > 0.0 ? walked_m_ / walked_s_ : 0.0;
   summary.slip_distance_m = kUnknown;
   summarise_steps(steps_.steps(), summary);
@@ -96,19 +96,19 @@ log::RunSample TickRun::sample_of(double time_s, const control_loop::TickRecord&
   return sample;
 }
 
+/// In each stance episode the estimate's hip starts at 0 again.
 void TickRun::note(double time_s, const control_loop::TickRecord& tick, const log::RunSample& sample) {
   const double x_m = sample.estimated_state[0];
   if (!begun_) first_s_ = time_s;
   begun_ = true;
-  if (tick.stance_episode > 0) {
-    if (!on_its_feet_) first_x_m_ = x_m;
-    on_its_feet_ = true;
-    feet_x_m_ = x_m;
+  if (tick.stance_episode > 0 && tick.stance_episode == episode_) {
+    distance_m_ += x_m - last_x_m_;
+    if (tick.state == supervisor::State::walk && last_state_ == supervisor::State::walk) {
+      walked_m_ += x_m - last_x_m_;
+      walked_s_ += time_s - last_s_;
+    }
   }
-  if (tick.state == supervisor::State::walk && last_state_ == supervisor::State::walk) {
-    walked_m_ += x_m - last_x_m_;
-    walked_s_ += time_s - last_s_;
-  }
+  episode_ = tick.stance_episode;
   if (tick.state != supervisor::State::off) last_state_ = tick.state;
   last_s_ = time_s;
   last_x_m_ = x_m;

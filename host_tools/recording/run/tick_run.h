@@ -43,9 +43,10 @@ class TickRun {
   log::RunRecord& run_;
   simulation::StepDetector steps_;
   supervisor::State last_state_ = supervisor::State::boot;
-  bool begun_ = false, on_its_feet_ = false;
+  bool begun_ = false;
+  std::uint32_t episode_ = 0;  ///< stance episode of the last tick
   double first_s_ = 0.0, last_s_ = 0.0;
-  double first_x_m_ = 0.0, feet_x_m_ = 0.0, last_x_m_ = 0.0;
+  double last_x_m_ = 0.0, distance_m_ = 0.0;
   double walked_m_ = 0.0, walked_s_ = 0.0;
 };
 

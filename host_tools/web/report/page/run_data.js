@@ -54,15 +54,27 @@ class RecordedRun extends RobotData {
     return known.find((forces) => forces?.every(Number.isFinite)) ?? null;
   }
 
-  /** Footprints, and the table of step lengths at touch-down. */
+  /** Times of the samples of a robot off its feet, of which the pose alone is known. */
+  offItsFeet() {
+    const [x, , pitch] = this.tables.ticks.group(this.stateGroup);
+    return this.tables.ticks.time.filter((_, row) => Number.isFinite(pitch[row]) && !Number.isFinite(x[row]));
+  }
+
+  footprintsUpTo(time_s) {
+    return super.footprintsUpTo(time_s).filter((place) => time_s < place.until_s);
+  }
+
+  /** Footprints, and the table of step lengths at touch-down. Prints stay until the robot is off its feet. */
   addSteps() {
     const { steps } = this.summary;
     const { ticks } = this.tables;
     const feet = ticks.group('foot_position_m');
+    const off_s = this.offItsFeet();
     this.footprints = steps.map((step) => {
       const foot = step.foot === 'L' ? 0 : 1;
       const x = ticks.before(feet, step.time_s)?.[2 * foot] ?? 0;
-      return { foot, x, z: groundHeight(this.ground, x), time: step.time_s };
+      const until_s = off_s.find((time_s) => time_s > step.time_s) ?? Infinity;
+      return { foot, x, z: groundHeight(this.ground, x), time: step.time_s, until_s };
     });
     const lengths = (foot) => steps.map((step) => (step.foot === foot ? step.length_m ?? NaN : NaN));
     this.tables.steps = Table.of(['time_s', 'left_m', 'right_m'],

@@ -137,5 +137,29 @@ TEST(TickRun, OffItsFeetARobotHasNoPlaceOfItsHipAndMakesNoSteps) {
   EXPECT_TRUE(run.summary.steps.empty());
 }
 
+/// Two walks of 0.3 m each at 1 m/s. In each of them the estimate starts at 0 again. Between them the robot
+/// sits, or the ticks are missing.
+TEST(TickRun, TheDistanceIsTheSumOfAllStands) {
+  for (const bool missing : {false, true}) {
+    const PlanTrack no_plans;
+    log::RunRecord run;
+    run.controller.emplace();
+    TickRun ticks(testing_support::amber3m().constants, 0, no_plans, run);
+    for (std::uint64_t number = 0; number < 900; ++number) {
+      const bool sits = number > 300 && number < 599;
+      if (sits && missing) continue;
+      control_loop::TickRecord tick = sample_tick(number);
+      tick.stance_episode = sits ? 0 : number < 500 ? 1 : 2;
+      tick.state = sits ? supervisor::State::sit : supervisor::State::walk;
+      tick.estimated_state[0] =
+          sits ? 0.0 : 0.001 * static_cast<double>(number < 500 ? number : number - 599);
+      ticks.add(tick);
+    }
+    ticks.finish();
+    EXPECT_NEAR(run.summary.distance_m, 0.6, 1e-9) << missing;
+    EXPECT_NEAR(run.summary.mean_speed_m_s, 1.0, 1e-9) << missing;
+  }
+}
+
 }  // namespace
 }  // namespace stilt::record

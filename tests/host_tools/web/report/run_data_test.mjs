@@ -21,3 +21,13 @@ test('off its feet a robot has the pose of its joints, and no place of its hip',
   assert.equal(run.stateAt(2), null, 'the joints are not known');
   assert.equal(run.hipUnknown, false);
 });
+
+test('the next stand has no footprints of the one before: its place counts from another origin', () => {
+  const row = (time_s, x_m) => (
+    { time_s: [time_s], estimated_state: stateAt(x_m, x_m === null ? null : 0.8), foot_position_m: [x_m, 0, x_m, 0] });
+  const steps = [{ time_s: 1, foot: 'L', length_m: 0.2 }, { time_s: 5, foot: 'R', length_m: 0.3 }];
+  const run = new RecordedRun(packedRun([row(0, 0), row(1, 1), row(2, 2), row(3, null), row(4, 0), row(5, 0.5), row(6, 1)],
+    { summary: { steps } }));
+  const places = (time_s) => run.footprintsUpTo(time_s).map(({ x }) => x);
+  assert.deepEqual([0.5, 2.5, 3, 4.5, 6].map(places), [[], [1], [], [], [0.5]]);
+});
