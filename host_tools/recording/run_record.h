@@ -74,6 +74,7 @@ struct RunSummary {
                                  ///< Plant::fall_margin(); 1: upright at nominal height
   double duration_s = 0.0, distance_m = 0.0, mean_speed_m_s = 0.0;
   std::vector<Step> steps;
+  bool steps_known = true;  ///< whether `steps` has all of them
   double step_length_min_m = 0.0, step_length_max_m = 0.0;
   model::JointVector peak_torque_Nm = model::JointVector::Zero();
   model::JointVector peak_joint_speed_rad_s = model::JointVector::Zero();

@@ -48,6 +48,8 @@ void summarise(log::RunRecord& run) {
   simulation::StepDetector steps;
   log::MeanSpeed speed;
   log::RunSummary& summary = run.summary;
+  summary.peak_torque_Nm.setConstant(kUnknown);
+  summary.peak_joint_speed_rad_s.setConstant(kUnknown);
   for (const log::RunSample& sample : run.samples) {
     steps.update(sample.time_s, sample.contact_force_N, sample.foot_position_m, sample.true_state[0]);
     speed.add(sample.time_s, sample.true_state[0]);

@@ -22,6 +22,10 @@ std::optional<model::FeetVector> forces_for_steps(const log::RunSample& sample,
   return forces;
 }
 
+bool walks(supervisor::State state) {
+  return state == supervisor::State::step || state == supervisor::State::walk;
+}
+
 /// The estimate of a tick. All of it is unknown before the first readings. Off its feet the robot has no
 /// place of its hip, which is put at 0 then, and no rates of it.
 model::StateVector estimate_of(const control_loop::TickRecord& tick) {
@@ -46,7 +50,10 @@ void summarise_steps(const std::vector<log::Step>& steps, log::RunSummary& summa
 
 TickRun::TickRun(const model::RobotConstants& robot, std::int64_t start_ns, const PlanTrack& plans,
                  log::RunRecord& run)
-    : leg_{robot.thigh_length_m, robot.shin_length_m}, start_ns_(start_ns), plans_(plans), run_(run) {}
+    : leg_{robot.thigh_length_m, robot.shin_length_m}, start_ns_(start_ns), plans_(plans), run_(run) {
+  run_.summary.peak_torque_Nm.setConstant(kUnknown);
+  run_.summary.peak_joint_speed_rad_s.setConstant(kUnknown);
+}
 
 void TickRun::add(const control_loop::TickRecord& tick) {
   const double time_s = 1e-9 * static_cast<double>(tick.time_ns - start_ns_);
@@ -58,6 +65,7 @@ void TickRun::add(const control_loop::TickRecord& tick) {
     steps_.update(time_s, *forces_N, sample.foot_position_m, sample.estimated_state[0]);
   } else {
     steps_.forget_swings();
+    if (walks(tick.state)) run_.summary.steps_known = false;
   }
   if (run_.samples.empty() || tick.tick % kTicksPerSample == 0) run_.samples.push_back(std::move(sample));
 }
@@ -66,8 +74,8 @@ void TickRun::finish() {
   log::RunSummary& summary = run_.summary;
   summary.survived = last_state_ != supervisor::State::fault;
   summary.duration_s = last_s_ - first_s_;
-  summary.distance_m = distance_m_;
-  summary.mean_speed_m_s = walked_s_ > 0.0 ? walked_m_ / walked_s_ : 0.0;
+  summary.distance_m = distance_m_.value_or(kUnknown);
+  summary.mean_speed_m_s = walked_s_ > 0.0 ? walked_m_ / walked_s_ : kUnknown;
   summary.slip_distance_m = kUnknown;
   summarise_steps(steps_.steps(), summary);
   run_.controller->last_state = supervisor::name(last_state_);
@@ -102,7 +110,7 @@ void TickRun::note(double time_s, const control_loop::TickRecord& tick, const lo
   if (!begun_) first_s_ = time_s;
   begun_ = true;
   if (tick.stance_episode > 0 && tick.stance_episode == episode_) {
-    distance_m_ += x_m - last_x_m_;
+    distance_m_ = distance_m_.value_or(0.0) + x_m - last_x_m_;
     if (tick.state == supervisor::State::walk && last_state_ == supervisor::State::walk) {
       walked_m_ += x_m - last_x_m_;
       walked_s_ += time_s - last_s_;

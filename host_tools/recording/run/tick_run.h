@@ -17,7 +17,8 @@ namespace stilt::record {
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Makes a run of ticks of stiltd: samples and summary. What only a simulation has is NaN, and so is the
-/// place of the hip while the robot is off its feet.
+/// place of the hip while the robot is off its feet. Steps are not known when the robot walked without foot
+/// forces and without a plan.
 class TickRun {
  public:
   /// @param robot     whose legs they are
@@ -46,7 +47,8 @@ class TickRun {
   bool begun_ = false;
   std::uint32_t episode_ = 0;  ///< stance episode of the last tick
   double first_s_ = 0.0, last_s_ = 0.0;
-  double last_x_m_ = 0.0, distance_m_ = 0.0;
+  double last_x_m_ = 0.0;
+  std::optional<double> distance_m_;
   double walked_m_ = 0.0, walked_s_ = 0.0;
 };
 

@@ -40,6 +40,7 @@ Json summary_json(const log::RunSummary& summary, bool outcome_known) {
       {"distance_m", summary.distance_m},
       {"mean_speed_m_s", summary.mean_speed_m_s},
       {"steps", steps_json(summary.steps)},
+      {"steps_known", summary.steps_known},
       {"step_length_min_m", summary.step_length_min_m},
       {"step_length_max_m", summary.step_length_max_m},
       {"peak_torque_Nm", joints_json(summary.peak_torque_Nm)},

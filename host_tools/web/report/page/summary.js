@@ -37,15 +37,21 @@ function outcomeRows({ summary: s, controller }) {
     ['Duration', number(s.duration_s, 1, 's')],
     ['Distance', number(s.distance_m, 2, 'm')],
     ['Mean speed', number(s.mean_speed_m_s, 3, 'm/s')],
-    ['Slip of the feet', number(1000 * s.slip_distance_m, 1, 'mm')],
+    ['Slip of the feet', number(s.slip_distance_m === null ? null : 1000 * s.slip_distance_m, 1, 'mm')],
   ];
 }
 
+/** How many steps there were; null when some of them are not known. */
+function stepCount(s) {
+  return s.steps_known === false ? null : s.steps.length;
+}
+
 function stepRows(s) {
+  const lengths = [s.step_length_min_m, s.step_length_max_m].map((value) => (stepCount(s) > 0 ? value : null));
   return [
-    ['Steps', String(s.steps.length)],
-    ['Shortest', number(s.step_length_min_m, 3, 'm')],
-    ['Longest', number(s.step_length_max_m, 3, 'm')],
+    ['Steps', number(stepCount(s), 0)],
+    ['Shortest', number(lengths[0], 3, 'm')],
+    ['Longest', number(lengths[1], 3, 'm')],
   ];
 }
 
@@ -90,9 +96,10 @@ function addTable(container, title, rows, heads = []) {
   container.append(table);
 }
 
-function addStepList(container, steps) {
+function addStepList(container, { steps, ...s }) {
   if (steps.length === 0) return;
-  const details = element('details', {}, element('summary', { textContent: `All ${steps.length} steps` }));
+  const which = s.steps_known === false ? `${steps.length} steps with known forces or plans` : `All ${steps.length} steps`;
+  const details = element('details', {}, element('summary', { textContent: which }));
   const rows = steps.map((step) => (
     [number(step.time_s, 3, 's'), step.foot === 'L' ? 'left' : 'right', number(step.length_m, 3, 'm')]));
   addTable(details, '', rows, ['Touch-down', 'Foot', 'Length']);
@@ -120,6 +127,17 @@ function outcomeOf({ summary: s, controller }) {
   return [s.fall_time_s === null ? 'did not survive' : `fell at ${number(s.fall_time_s, 2, 's')}`, 'bad'];
 }
 
+/** A run in one line. What is not known is left out. */
+function headline({ summary: s, pushes, controller }) {
+  return [
+    number(s.duration_s, 1, 's'),
+    ...(s.distance_m === null ? [] : [number(s.distance_m, 1, 'm')]),
+    ...(stepCount(s) === null ? [] : [`${stepCount(s)} steps`]),
+    ...(s.mean_speed_m_s === null ? [] : [`mean speed ${number(s.mean_speed_m_s, 2, 'm/s')}`]),
+    ...(controller ? [] : [pushes.length === 1 ? '1 push' : `${pushes.length} pushes`]),
+  ].join(', ');
+}
+
 function showHeader(run) {
   const s = run.summary;
   document.getElementById('robot-name').textContent = run.robot_name;
@@ -127,10 +145,7 @@ function showHeader(run) {
   const [text, kind] = outcomeOf(run);
   badge.textContent = text;
   badge.classList.add(kind);
-  const pushes = run.pushes.length === 1 ? '1 push' : `${run.pushes.length} pushes`;
-  document.getElementById('headline').textContent =
-    `${number(s.duration_s, 1, 's')}, ${number(s.distance_m, 1, 'm')}, ${s.steps.length} steps, ` +
-    `mean speed ${number(s.mean_speed_m_s, 2, 'm/s')}${run.controller ? '' : `, ${pushes}`}`;
+  document.getElementById('headline').textContent = headline(run);
   document.getElementById('command-line').textContent = run.command_line;
   showThinned(run.stride);
 }
@@ -152,7 +167,7 @@ function showSummary(run) {
   addTable(group(container), 'Joints', jointRows(s), ['', 'Peak torque', 'Peak speed']);
   const steps = group(container);
   addTable(steps, 'Steps', stepRows(s));
-  addStepList(steps, s.steps);
+  addStepList(steps, s);
   if (run.tables.planner.rows === 0) return;  // a record of the robot alone: nothing is known of its controller
   addTable(steps, 'Memory', memoryRows(run));
   addTable(group(container), 'Planner', [...plannerRows(s), ...solveEndRows(run)]);

@@ -86,7 +86,7 @@ TEST(PlanTrack, AMessageWhoseSequencesDoNotFitItsCountIsLeftOut) {
 /// Touch-downs of a robot without foot sensors: the contacts of the plans in use. The left foot lifts 0.2 s
 /// after the start of the first plan, which is in use for 0.35 s.
 TEST(TickRun, AFootTouchesDownByAPlanAndNotByTheEndOfPlans) {
-  const auto steps = [](bool plans_end) {
+  const auto summary = [](bool plans_end, supervisor::State state, double force_N = NAN) {
     PlanTrack track;
     PlanMessage first(5.0, 0.0f), second(5.35, 0.35f);
     track.add(first.message());
@@ -97,15 +97,45 @@ TEST(TickRun, AFootTouchesDownByAPlanAndNotByTheEndOfPlans) {
     for (std::uint64_t number = 0; number < 500; ++number) {
       control_loop::TickRecord tick = sample_tick(number);
       tick.plan_sequence = number < 350 ? 1 : plans_end ? -1 : 2;
+      tick.state = state;
+      tick.base.left_foot_force_N = tick.base.right_foot_force_N = force_N;
       ticks.add(tick);
     }
     ticks.finish();
-    return run.summary.steps;
+    return run.summary;
   };
-  EXPECT_TRUE(steps(true).empty());
-  ASSERT_EQ(steps(false).size(), 1u);
-  EXPECT_EQ(steps(false)[0].foot, "L");
-  EXPECT_NEAR(steps(false)[0].time_s, 5.35, 1e-9);
+  using enum supervisor::State;
+  EXPECT_TRUE(summary(true, walk).steps.empty());
+  EXPECT_FALSE(summary(true, walk).steps_known) << "it walked on without a plan";
+  EXPECT_TRUE(summary(true, walk, 100.0).steps_known) << "by its foot sensors";
+  EXPECT_TRUE(summary(true, stand).steps_known);
+  const log::RunSummary whole = summary(false, walk);
+  EXPECT_TRUE(whole.steps_known);
+  ASSERT_EQ(whole.steps.size(), 1u);
+  EXPECT_EQ(whole.steps[0].foot, "L");
+  EXPECT_NEAR(whole.steps[0].time_s, 5.35, 1e-9);
+}
+
+/// No driver replies, and the robot does not get up.
+TEST(TickRun, WhatWasNotMeasuredHasNoFigure) {
+  const PlanTrack no_plans;
+  log::RunRecord run;
+  run.controller.emplace();
+  TickRun ticks(testing_support::amber3m().constants, 0, no_plans, run);
+  for (std::uint64_t number = 0; number < 10; ++number) {
+    control_loop::TickRecord tick = sample_tick(number);
+    tick.stance_episode = 0;
+    tick.joints[1].torque_Nm = -0.5;
+    ticks.add(tick);
+  }
+  ticks.finish();
+  const log::RunSummary& summary = run.summary;
+  EXPECT_TRUE(std::isnan(summary.peak_torque_Nm[0]));
+  EXPECT_TRUE(std::isnan(summary.peak_joint_speed_rad_s[0]));
+  EXPECT_EQ(summary.peak_torque_Nm[1], 0.5);
+  EXPECT_TRUE(std::isnan(summary.distance_m));
+  EXPECT_TRUE(std::isnan(summary.mean_speed_m_s));
+  EXPECT_TRUE(summary.steps_known) << "it did not walk";
 }
 
 /// Its estimate has the hip at the origin then.

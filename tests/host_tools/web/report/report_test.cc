@@ -158,6 +158,7 @@ TEST(Report, TheEmbeddedSummaryIsTheRecord) {
   EXPECT_EQ(s["steps"][2]["foot"], record.summary.steps[2].foot);
   EXPECT_EQ(s["steps"][2]["time_s"], record.summary.steps[2].time_s);
   EXPECT_EQ(s["steps"][2]["length_m"], record.summary.steps[2].length_m);
+  EXPECT_EQ(s["steps_known"], true);
   EXPECT_EQ(s["step_length_min_m"], record.summary.step_length_min_m);
   EXPECT_EQ(s["step_length_max_m"], record.summary.step_length_max_m);
   EXPECT_EQ(s["peak_torque_Nm"], json::array({12.0, 33.0, 12.0, 33.0}));
@@ -214,6 +215,19 @@ TEST(Report, TextFromOutsideCannotBecomeMarkup) {
   EXPECT_EQ(page.find("<!--", 1), harmless.find("<!--", 1));
   const std::string shown = embedded_data(page)["command_line"];
   EXPECT_TRUE(shown.starts_with("</script><!--<script>alert(1)</script>{{run_data}}&\"'")) << shown;
+}
+
+TEST(Report, WhatIsNotKnownOfARunIsNoNumber) {
+  log::RunRecord run = synthetic_walk(1.0);
+  run.summary.steps_known = false;
+  run.summary.slip_distance_m = run.summary.distance_m = std::numeric_limits<double>::quiet_NaN();
+  run.summary.peak_torque_Nm[2] = std::numeric_limits<double>::quiet_NaN();
+  const json s = json::parse(run_data_json(run))["summary"];
+  EXPECT_EQ(s["steps_known"], false);
+  EXPECT_FALSE(s["steps"].empty()) << "those that are known";
+  EXPECT_TRUE(s["slip_distance_m"].is_null());
+  EXPECT_TRUE(s["distance_m"].is_null());
+  EXPECT_TRUE(s["peak_torque_Nm"][2].is_null());
 }
 
 TEST(Report, NonFiniteNumbersStayReadable) {

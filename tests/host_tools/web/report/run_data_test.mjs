@@ -4,7 +4,8 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { packedRun, scriptsOf, stateAt } from './packed_run.mjs';
 
-const { RecordedRun } = scriptsOf('RecordedRun');
+const { RecordedRun, headline, jointRows, outcomeRows, stepRows } = scriptsOf('RecordedRun', 'headline', 'jointRows', 'outcomeRows',
+  'stepRows');
 
 test('off its feet a robot has the pose of its joints, and no place of its hip', () => {
   const run = new RecordedRun(packedRun([
@@ -30,4 +31,18 @@ test('the next stand has no footprints of the one before: its place counts from 
     { summary: { steps } }));
   const places = (time_s) => run.footprintsUpTo(time_s).map(({ x }) => x);
   assert.deepEqual([0.5, 2.5, 3, 4.5, 6].map(places), [[], [1], [], [], [0.5]]);
+});
+
+test('what is not known has a dash, and what was nothing is 0', () => {
+  const figures = { distance_m: null, mean_speed_m_s: null, peak_torque_Nm: [null, 0, 1, 2], steps: [{ time_s: 0, foot: 'L', length_m: 0.2 }] };
+  const run = new RecordedRun(packedRun([{ time_s: [0] }], { controller: null, summary: { ...figures, steps_known: false } }));
+  const rows = new Map([...outcomeRows(run), ...stepRows(run.summary), ...jointRows(run.summary)]);
+  for (const name of ['Distance', 'Mean speed', 'Slip of the feet', 'Steps', 'Shortest', 'Longest', 'Left hip']) {
+    assert.equal(rows.get(name), '–', name);
+  }
+  assert.equal(rows.get('Left knee'), '0.0 Nm');
+  assert.equal(headline(run), '1.0 s, 0 pushes');
+  const stood = new RecordedRun(packedRun([{ time_s: [0] }]));
+  assert.deepEqual(stepRows(stood.summary).map(([, value]) => value), ['0', '–', '–']);
+  assert.equal(headline(stood), '1.0 s, 1.0 m, 0 steps, mean speed 1.00 m/s');
 });
