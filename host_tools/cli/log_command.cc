@@ -16,7 +16,8 @@ CLI::App* add_log_command(CLI::App& program, LogOptions& options) {
                   "a folder for one table per topic; or a file ending in .csv, for the ticks only")
       ->required();
   csv->footer(
-      "Exit status: 0 done, 1 the record was cut off or is damaged (the readable part was written), 2 bad "
+      "Exit status: 0 done, 1 the record lacks ticks, was cut off or is damaged (the rest was written), 2 "
+      "bad "
       "usage.");
   return log;
 }

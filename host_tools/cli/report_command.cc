@@ -147,7 +147,8 @@ CLI::App* add_report_command(CLI::App& program, ReportOptions& options) {
   command->add_option("--shift", options.shift_s, "added to the times of the second file, s")
       ->default_str("0");
   command->footer(
-      "Exit status: 0 done, 1 a file was cut off or is damaged (the readable part is shown), 2 bad usage.");
+      "Exit status: 0 done, 1 a file lacks ticks, was cut off or is damaged (the rest is shown), 2 bad "
+      "usage.");
   return command;
 }
 

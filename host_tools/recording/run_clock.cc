@@ -4,6 +4,10 @@ namespace stilt::log {
 
 void count_from(RunRecord& record, double start_s) {
   for (RunSample& sample : record.samples) sample.time_s += start_s;
+  for (MissingTicks& missing : record.missing_ticks) {
+    missing.from_s += start_s;
+    missing.to_s += start_s;
+  }
   for (SolveSample& solve : record.solves) solve.time_s += start_s;
   for (PlanSnapshot& plan : record.plans) {
     plan.time_s += start_s;

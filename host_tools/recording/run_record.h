@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
@@ -114,6 +115,12 @@ struct ControllerPart {
   std::vector<RunEvent> events;
 };
 
+/// Ticks of stiltd that a file lacks between others: the first and the last of them.
+struct MissingTicks {
+  std::uint64_t first = 0, last = 0;
+  double from_s = 0.0, to_s = 0.0;
+};
+
 /// All data of one run.
 struct RunRecord {
   std::string command_line;
@@ -127,6 +134,7 @@ struct RunRecord {
   /// Profile of the ground for drawing, x ascending; empty: level at z = 0.
   std::vector<double> ground_x_m, ground_z_m;
   std::vector<RunSample> samples;
+  std::vector<MissingTicks> missing_ticks;
   std::vector<PlanSnapshot> plans;
   std::vector<SolveSample> solves;
   RunSummary summary;

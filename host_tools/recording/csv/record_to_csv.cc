@@ -15,6 +15,7 @@
 #include "host_tools/recording/mcap/reader.h"
 #include "host_tools/recording/record/record_version.h"
 #include "host_tools/recording/record/recorder.h"
+#include "host_tools/recording/record/tick_ledger.h"
 #include "host_tools/recording/schema/decode.h"
 
 namespace stilt::csv {
@@ -46,10 +47,11 @@ class TickTables {
     if (!telemetry::well_formed(batch)) return;
     auto [run, is_new] = runs_.try_emplace(batch.run_id);
     if (is_new) open(run->second);
+    record::TickLedger& ticks = run->second.ticks;
     for (std::size_t i = 0; i < batch.count; ++i) {
       const control_loop::TickRecord tick = telemetry::tick_record(batch, i);
-      if (tick.tick < run->second.next) continue;
-      run->second.next = tick.tick + 1;
+      if (tick.tick < ticks.next()) continue;
+      ticks.add(tick.tick, 1);
       const std::int64_t start_ns = starts_.try_emplace(batch.run_id, tick.time_ns).first->second;
       diagnostics::write_tick(run->second.file->text(), tick, start_ns);
     }
@@ -60,15 +62,23 @@ class TickTables {
   }
 
   /// Gives the closed files their names.
-  void place(std::vector<std::string>& files) {
+  void place(const std::string& record, Written& written) {
     for (const auto& file : files_) file->place();
-    files.insert(files.end(), paths_.begin(), paths_.end());
+    written.files.insert(written.files.end(), paths_.begin(), paths_.end());
+    for (const Run* run : in_order_) {
+      if (!run->ticks.has_break()) continue;
+      const std::string table = std::filesystem::path(run->path).filename().string();
+      written.problems.push_back(
+          std::string(record).append(": ").append(run->ticks.text()).append("; no rows for them in ") +
+          table);
+    }
   }
 
  private:
   struct Run {
     TableFile* file = nullptr;
-    std::uint64_t next = 0;
+    std::string path;  ///< of the file
+    record::TickLedger ticks;
   };
 
   void open(Run& run) {
@@ -80,12 +90,15 @@ class TickTables {
       diagnostics::write_tick_header(files_.back()->text());
     }
     run.file = files_.back().get();
+    run.path = paths_.back();
+    in_order_.push_back(&run);
   }
 
   std::string first_path_;
   bool one_each_;
   Starts starts_;  ///< of a run without configuration: its first tick here
   std::map<std::uint64_t, Run> runs_;
+  std::vector<const Run*> in_order_;
   std::vector<std::unique_ptr<TableFile>> files_;
   std::vector<std::string> paths_;
 };
@@ -194,7 +207,7 @@ Written record_to_csv(const std::string& record, const std::string& folder) {
   Written written{{}, reader.problems()};
   ticks.close();
   topics.close();  // all are whole before the first has its name
-  ticks.place(written.files);
+  ticks.place(record, written);
   topics.place(record, written);
   return written;
 }
@@ -208,7 +221,7 @@ Written ticks_to_csv(const std::string& record, const std::string& file) {
   }
   Written written{{}, reader.problems()};
   ticks.close();
-  ticks.place(written.files);
+  ticks.place(record, written);
   if (written.files.empty()) {
     throw std::runtime_error(record::without_ticks(record, written.problems));
   }

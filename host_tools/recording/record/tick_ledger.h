@@ -23,6 +23,8 @@ class TickLedger {
   };
   /// Gaps before the last tick, including one at the beginning.
   [[nodiscard]] const std::vector<Gap>& gaps() const { return gaps_; }
+  /// Whether ticks are missing between the first and the last one received.
+  [[nodiscard]] bool has_break() const { return !gaps_.empty() && gaps_.back().first > 0; }
 
   /// One sentence: "ticks 0 to 63999, none missing", "..., missing: 0 to 99, 500".
   [[nodiscard]] std::string text() const;

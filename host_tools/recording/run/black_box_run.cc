@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware/control_loop/joint_names.h"
+#include "host_tools/recording/record/tick_ledger.h"
 #include "host_tools/recording/run/text_run.h"
 #include "host_tools/recording/run/tick_run.h"
 
@@ -149,9 +150,11 @@ class FileRun {
     last_tick_ = tick.tick;
     last_ns_ = tick.time_ns;
     ++count_;
+    ledger_.add(tick.tick, 1);
   }
 
   [[nodiscard]] std::size_t count() const { return count_; }
+  [[nodiscard]] const TickLedger& ledger() const { return ledger_; }
 
   /// Call once, after the last tick.
   log::RunRecord finish() {
@@ -167,6 +170,7 @@ class FileRun {
   std::uint64_t last_tick_ = 0;
   std::int64_t last_ns_ = 0;
   std::size_t count_ = 0;
+  TickLedger ledger_;
 };
 
 }  // namespace
@@ -200,6 +204,9 @@ RecordRun run_of_ticks(const std::string& path, const model::RobotConstants& rob
   if (current->count() > longest->count()) std::swap(current, longest);
   if (longest->count() == 0) {
     throw std::runtime_error(path + ": holds no tick; name a file of stiltd --black-box");
+  }
+  if (longest->ledger().has_break()) {
+    result.problems.push_back(path + ": " + longest->ledger().text() + kBreakInPlots);
   }
   result.run = longest->finish();
   result.run.robot.name = robot.name;

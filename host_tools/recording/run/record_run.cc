@@ -106,9 +106,8 @@ RecordRun run_of_record(const std::string& path) {
   result.robot = robot_of(path, *recorded);
   result.runs = contents.runs.size();
   result.problems = contents.problems;
-  const auto& gaps = recorded->ticks.gaps();
-  if (std::ranges::any_of(gaps, [](const TickLedger::Gap& gap) { return gap.first > 0; })) {
-    result.problems.push_back(path + ": " + recorded->ticks.text() + "; lines of plots go straight across");
+  if (recorded->ticks.has_break()) {
+    result.problems.push_back(path + ": " + recorded->ticks.text() + kBreakInPlots);
   }
   log::RunRecord& run = result.run;
   run.command_line = path + ", recorded from stiltd " + recorded->build;

@@ -59,6 +59,7 @@ void TickRun::add(const control_loop::TickRecord& tick) {
   const double time_s = 1e-9 * static_cast<double>(tick.time_ns - start_ns_);
   const auto plan = tick.plan_sequence >= 0 ? plans_.at(time_s) : std::nullopt;
   log::RunSample sample = sample_of(time_s, tick, plan);
+  note_break(time_s, tick);
   note(time_s, tick, sample);
   const auto forces_N = tick.stance_episode > 0 ? forces_for_steps(sample, plan) : std::nullopt;
   if (forces_N) {
@@ -102,6 +103,17 @@ log::RunSample TickRun::sample_of(double time_s, const control_loop::TickRecord&
   sample.planned_contact_force_N = plan->contact_force_N;
   sample.scheduled_mode = plan->mode;
   return sample;
+}
+
+void TickRun::note_break(double time_s, const control_loop::TickRecord& tick) {
+  const std::uint64_t next = last_tick_ + 1;
+  last_tick_ = tick.tick;
+  if (!begun_ || tick.tick <= next) return;
+  const double tick_s = (time_s - last_s_) / static_cast<double>(tick.tick + 1 - next);
+  run_.missing_ticks.push_back({next, tick.tick - 1, last_s_ + tick_s, time_s - tick_s});
+  if (time_s - last_s_ < simulation::StepDetector::kShortestSwing_s) return;
+  steps_.forget_swings();
+  run_.summary.steps_known = false;
 }
 
 /// In each stance episode the estimate's hip starts at 0 again.

@@ -16,9 +16,12 @@ namespace stilt::record {
 /// What a file does not hold.
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
+/// Ends a sentence about ticks that are missing.
+inline constexpr const char* kBreakInPlots = "; plots have a break there";
+
 /// Makes a run of ticks of stiltd: samples and summary. What only a simulation has is NaN, and so is the
-/// place of the hip while the robot is off its feet. Steps are not known when the robot walked without foot
-/// forces and without a plan.
+/// place of the hip while the robot is off its feet. Steps are not known after a walk without foot
+/// forces and plan, or without ticks for as long as a short swing.
 class TickRun {
  public:
   /// @param robot     whose legs they are
@@ -36,6 +39,7 @@ class TickRun {
  private:
   [[nodiscard]] log::RunSample sample_of(double time_s, const control_loop::TickRecord& tick,
                                          const std::optional<PlanTrack::Point>& plan) const;
+  void note_break(double time_s, const control_loop::TickRecord& tick);
   void note(double time_s, const control_loop::TickRecord& tick, const log::RunSample& sample);
 
   simulation::LegLengths leg_;
@@ -45,6 +49,7 @@ class TickRun {
   simulation::StepDetector steps_;
   supervisor::State last_state_ = supervisor::State::boot;
   bool begun_ = false;
+  std::uint64_t last_tick_ = 0;
   std::uint32_t episode_ = 0;  ///< stance episode of the last tick
   double first_s_ = 0.0, last_s_ = 0.0;
   double last_x_m_ = 0.0;

@@ -4,7 +4,6 @@ namespace stilt::simulation {
 namespace {
 
 constexpr double kLoaded_N = 5.0;
-constexpr double kShortestSwing_s = 0.05;
 
 }  // namespace
 

@@ -12,6 +12,8 @@ namespace stilt::simulation {
 /// more.
 class StepDetector {
  public:
+  static constexpr double kShortestSwing_s = 0.05;
+
   /// Call at each tick, with forces fx_L, fz_L, fx_R, fz_R (N) and positions xL, zL, xR, zR (m).
   void update(double time_s, const model::FeetVector& contact_force_N,
               const model::FeetVector& foot_position_m, double hip_x_m);

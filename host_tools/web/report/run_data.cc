@@ -64,6 +64,14 @@ Json controller_json(const std::optional<log::ControllerPart>& controller) {
   return {{"last_state", controller->last_state}, {"events", events}};
 }
 
+Json missing_json(const std::vector<log::MissingTicks>& missing) {
+  Json list = Json::array();
+  for (const log::MissingTicks& one : missing) {
+    list.push_back({{"first", one.first}, {"last", one.last}, {"from_s", one.from_s}, {"to_s", one.to_s}});
+  }
+  return list;
+}
+
 Json settings_json(const std::vector<log::Setting>& settings) {
   Json values = Json::object();
   for (const log::Setting& setting : settings) values[setting.key] = setting.value;
@@ -175,6 +183,7 @@ std::string run_data_json(const log::RunRecord& record) {
       {"controller", controller_json(record.controller)},
       {"settings", settings_json(record.settings)},
       {"ticks", ticks_json(record.samples)},
+      {"missing_ticks", missing_json(record.missing_ticks)},
       {"plans", plans_json(record.plans)},
       {"planner", planner_json(record.solves)},
   };

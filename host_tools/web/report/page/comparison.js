@@ -58,6 +58,8 @@ function showComparisonHeader(run, names) {
   document.getElementById('headline').textContent = `${names[0]} (in full) and ${names[1]} (dashed)`;
   document.getElementById('command-line').textContent = `${run.command_line}\n${run.other.command_line}`;
   showThinned(Math.max(run.stride, run.other.stride));
+  const missing = [run, run.other].map((one, k) => [names[k], missingText(one)]).filter(([, text]) => text !== '');
+  showMissing(missing.map(([name, text]) => `${name}: ${text}`).join('\n'));
 }
 
 /** Rows of the same name side by side, those of one run alone with a dash. */

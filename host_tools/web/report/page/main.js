@@ -5,6 +5,7 @@ const kStances = ['no foot', 'left foot', 'right foot', 'both feet'];
 /** Speed, command and stance at `time_s`, of which the robot is drawn, as text. */
 function readout(run, time_s) {
   if (run.hipUnknown) return kHipUnknown;
+  if (run.missing.some(({ from_s, to_s }) => time_s >= from_s && time_s <= to_s)) return 'The ticks of this time are missing';
   const { ticks } = run.tables;
   const columns = [`${run.stateGroup}7`, 'commanded_speed_m_s', 'scheduled_mode0', 'scheduled_mode1'];
   const [speed, command, left, right] = ticks.before(columns.map((name) => ticks.column(name)), time_s);

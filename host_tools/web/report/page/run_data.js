@@ -13,6 +13,17 @@ function unpackTable(packed) {
   return Table.of(names, names.map((_, k) => numbers.subarray(k * packed.rows, (k + 1) * packed.rows)));
 }
 
+/** A table with a row of unknown values at each of these times: nothing is drawn across them. */
+function withBreaks(table, times_s) {
+  if (times_s.length === 0) return table;
+  const places = times_s.map((time_s) => table.lastRowUpTo(time_s) + 1);
+  const values = table.values.map((column, k) => {
+    const parts = places.map((place, i) => [...column.slice(places[i - 1] ?? 0, place), k === 0 ? times_s[i] : NaN]);
+    return Float64Array.from([...parts.flat(), ...column.slice(places.at(-1))]);
+  });
+  return Table.of([...table.index.keys()], values);
+}
+
 class RecordedRun extends RobotData {
   /** `shift_s` is added to all times of the run. */
   constructor(run, shift_s = 0) {
@@ -27,7 +38,8 @@ class RecordedRun extends RobotData {
     this.friction_coefficient = run.friction_coefficient;
     this.geometry = { ...run.robot, torque_limit_Nm: run.torque_limit_Nm };
     this.ground = run.ground;
-    const ticks = unpackTable(run.ticks);
+    this.missing = run.missing_ticks ?? [];  // {first, last, from_s, to_s}: ticks that the file lacks
+    const ticks = withBreaks(unpackTable(run.ticks), this.missing.map(({ from_s }) => from_s));
     const planner = unpackTable(run.planner);
     const nodes = unpackTable(run.plans.nodes);
     for (const table of [ticks, planner, nodes]) table.time.forEach((time_s, i) => { table.time[i] = time_s + shift_s; });

@@ -148,6 +148,23 @@ function showHeader(run) {
   document.getElementById('headline').textContent = headline(run);
   document.getElementById('command-line').textContent = run.command_line;
   showThinned(run.stride);
+  showMissing(missingText(run));
+}
+
+/** Which ticks a run lacks, as a sentence; empty when it lacks none. */
+function missingText({ missing }) {
+  const kNamed = 5;
+  if (missing.length === 0) return '';
+  const named = missing.slice(0, kNamed).map(({ first, last, from_s, to_s }) => (first === last
+    ? `${first} (${from_s.toFixed(2)} s)` : `${first} to ${last} (${from_s.toFixed(2)} to ${to_s.toFixed(2)} s)`));
+  const more = missing.length > kNamed ? ` and ${missing.length - kNamed} more gaps` : '';
+  return `Ticks are missing: ${named.join(', ')}${more}.`;
+}
+
+function showMissing(text) {
+  const note = document.getElementById('missing');
+  note.hidden = text === '';
+  note.textContent = text;
 }
 
 function showThinned(stride) {

@@ -77,6 +77,26 @@ TEST_F(RecordToCsv, TimesOfARecordThatBeganLateCountFromTickZero) {
   EXPECT_EQ(lines_of(file).at(1).find("2600,2.6,"), 0u);
 }
 
+TEST_F(RecordToCsv, MissingTicksAreNamedAndTheOthersWritten) {
+  record.set_bytes({});
+  {
+    Recorder recorder(record.path(), {});
+    recorder.take(record::ticks_sample(7, 100, 20), 1);
+    recorder.take(record::ticks_sample(7, 200, 20), 2);
+    recorder.take(record::ticks_sample(8, 0, 5), 3);
+    recorder.take(record::ticks_sample(8, 6, 5), 4);
+  }
+  const std::string first = record.path() + ": ticks 100 to 219, missing: 120 to 199; no rows for them in ";
+  const std::string second = record.path() + ": ticks 0 to 10, missing: 5; no rows for them in ";
+  const std::string file = own.file("all.csv");
+  EXPECT_EQ(ticks_to_csv(record.path(), file).problems,
+            (std::vector<std::string>{first + "all.csv", second + "all.csv"}));
+  EXPECT_EQ(lines_of(file).size(), 51u);
+  EXPECT_EQ(record_to_csv(record.path(), folder.string()).problems,
+            (std::vector<std::string>{first + "ticks.csv", second + "ticks_2.csv"}));
+  EXPECT_EQ(lines_of(folder / "ticks.csv").size(), 41u);
+}
+
 TEST_F(RecordToCsv, AFolderWithTablesIsRefusedAndStaysAsItIs) {
   std::filesystem::create_directory(folder);
   std::ofstream(folder / "notes.txt") << "walked well";

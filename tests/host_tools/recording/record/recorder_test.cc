@@ -118,6 +118,15 @@ TEST(TickLedger, CountsEachTickOnce) {
   EXPECT_EQ(ledger.text(), "ticks 0 to 16, missing: 15");
 }
 
+TEST(TickLedger, ARecordThatBeganLateHasNoBreak) {
+  TickLedger ledger;
+  EXPECT_FALSE(ledger.has_break());
+  ledger.add(100, 10);
+  EXPECT_FALSE(ledger.has_break());
+  ledger.add(111, 5);
+  EXPECT_TRUE(ledger.has_break());
+}
+
 TEST(TopicNames, LoseThePrefixOfTheWireAndComeBack) {
   EXPECT_EQ(topic_in_record(telemetry::kJointStates), "/joint_states");
   for (const telemetry::Topic* topic : telemetry::topics()) {

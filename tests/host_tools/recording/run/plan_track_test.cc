@@ -191,5 +191,31 @@ TEST(TickRun, TheDistanceIsTheSumOfAllStands) {
   }
 }
 
+/// Missing ticks, and whether the steps of a robot with foot sensors are known all the same.
+TEST(TickRun, MissingTicksAreNamedAndHideStepsWhenTheyAreLong) {
+  for (const std::uint64_t end : {201u, 240u, 300u}) {
+    const PlanTrack no_plans;
+    log::RunRecord run;
+    run.controller.emplace();
+    TickRun ticks(testing_support::amber3m().constants, 5'000'000'000, no_plans, run);
+    for (std::uint64_t number = 100; number < 400; ++number) {
+      if (number >= 200 && number < end) continue;
+      control_loop::TickRecord tick = sample_tick(number);
+      tick.base.left_foot_force_N = number > 150 && number < 250 ? 0.0 : 100.0;
+      tick.base.right_foot_force_N = 100.0;
+      ticks.add(tick);
+    }
+    ticks.finish();
+    ASSERT_EQ(run.missing_ticks.size(), 1u);
+    const log::MissingTicks& missing = run.missing_ticks[0];
+    EXPECT_EQ(missing.first, 200u);
+    EXPECT_EQ(missing.last, end - 1);
+    EXPECT_NEAR(missing.from_s, 0.2, 1e-9);
+    EXPECT_NEAR(missing.to_s, 0.001 * static_cast<double>(end - 1), 1e-9);
+    EXPECT_EQ(run.summary.steps_known, end < 300) << end;
+    EXPECT_EQ(run.summary.steps.size(), end < 300 ? 1u : 0u) << end;
+  }
+}
+
 }  // namespace
 }  // namespace stilt::record

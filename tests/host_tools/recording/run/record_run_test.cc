@@ -111,7 +111,7 @@ TEST(RecordRun, TicksThatAreMissingInTheMiddleAreReported) {
   };
   EXPECT_EQ(problems(0, 50), "");
   EXPECT_EQ(problems(1000, 1050), "") << "the recorder came later";
-  EXPECT_EQ(problems(0, 2000), ": ticks 0 to 2049, missing: 50 to 1999; lines of plots go straight across");
+  EXPECT_EQ(problems(0, 2000), ": ticks 0 to 2049, missing: 50 to 1999; plots have a break there");
 }
 
 TEST(RecordRun, AConfigurationInADamagedChunkIsReadFromTheAttachments) {

@@ -204,6 +204,20 @@ TEST(BlackBoxRun, OfSeveralRunsTheLongestIsTaken) {
   }
 }
 
+TEST(BlackBoxRun, MissingTicksAreReported) {
+  const tests::OwnFolder folder;
+  const std::string file = folder.file("ticks.csv");
+  const std::string text = ticks_text();
+  const auto from = text.find("\n7100,") + 1;
+  std::ofstream(file) << text.substr(0, from) << text.substr(text.find("\n7200,") + 1);
+  const RecordRun read = run_of_ticks(file, amber3m());
+  ASSERT_EQ(read.problems.size(), 1u);
+  EXPECT_EQ(read.problems[0], file + ": ticks 7000 to 8999, missing: 7100 to 7199; plots have a break there");
+  ASSERT_EQ(read.run.missing_ticks.size(), 1u);
+  EXPECT_EQ(read.run.missing_ticks[0].first, 7100u);
+  EXPECT_EQ(read.runs, 1u);
+}
+
 TEST(BlackBoxRun, EveryStateIsRead) {
   const tests::OwnFolder folder;
   const std::string file = folder.file("fault.csv");

@@ -230,6 +230,15 @@ TEST(Report, WhatIsNotKnownOfARunIsNoNumber) {
   EXPECT_TRUE(s["peak_torque_Nm"][2].is_null());
 }
 
+TEST(Report, MissingTicksAreInThePage) {
+  log::RunRecord run = synthetic_walk(1.0);
+  EXPECT_TRUE(json::parse(run_data_json(run))["missing_ticks"].empty());
+  run.missing_ticks.push_back({200, 299, 0.2, 0.299});
+  const json data = json::parse(run_data_json(run));
+  EXPECT_EQ(data["missing_ticks"],
+            json::array({{{"first", 200}, {"last", 299}, {"from_s", 0.2}, {"to_s", 0.299}}}));
+}
+
 TEST(Report, NonFiniteNumbersStayReadable) {
   log::RunRecord record = synthetic_walk(1.0);
   record.samples[5].torque_Nm[1] = std::numeric_limits<double>::quiet_NaN();

@@ -4,8 +4,8 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { packedRun, scriptsOf, stateAt } from './packed_run.mjs';
 
-const { RecordedRun, headline, jointRows, outcomeRows, stepRows } = scriptsOf('RecordedRun', 'headline', 'jointRows', 'outcomeRows',
-  'stepRows');
+const { RecordedRun, headline, jointRows, missingText, outcomeRows, stepRows, windowOf } = scriptsOf(
+  'RecordedRun', 'headline', 'jointRows', 'missingText', 'outcomeRows', 'stepRows', 'windowOf');
 
 test('off its feet a robot has the pose of its joints, and no place of its hip', () => {
   const run = new RecordedRun(packedRun([
@@ -45,4 +45,19 @@ test('what is not known has a dash, and what was nothing is 0', () => {
   const stood = new RecordedRun(packedRun([{ time_s: [0] }]));
   assert.deepEqual(stepRows(stood.summary).map(([, value]) => value), ['0', '–', '–']);
   assert.equal(headline(stood), '1.0 s, 1.0 m, 0 steps, mean speed 1.00 m/s');
+});
+
+test('where ticks are missing nothing is drawn, and the page names them', () => {
+  const ticks = [0, 1, 2, 3].map((time_s) => ({ time_s: [time_s], estimated_state: stateAt(time_s, 0.8), push_N: [5] }));
+  const missing_ticks = [{ first: 1001, last: 1999, from_s: 1.001, to_s: 1.999 }, { first: 2001, last: 2001, from_s: 2.001, to_s: 2.001 }];
+  const run = new RecordedRun(packedRun(ticks, { missing_ticks }));
+  const { ticks: table } = run.tables;
+  assert.deepEqual(windowOf(table, [table.column('estimated_state1')], 0, 3, 100)[1].map((z) => z && Number(z.toFixed(1))),
+    [0.8, 0.8, null, 0.8, null, 0.8]);
+  assert.deepEqual([0.5, 1.5, 2.5].map((time_s) => run.stateAt(time_s)?.[0] ?? null), [0.5, null, null]);
+  assert.deepEqual(run.pushes.map(({ from_s, to_s }) => [from_s, to_s]), [[0, 1], [2, 2], [3, 3]]);
+  assert.equal(missingText(run), 'Ticks are missing: 1001 to 1999 (1.00 to 2.00 s), 2001 (2.00 s).');
+  const many = Array.from({ length: 7 }, (_, k) => ({ first: 10 * k, last: 10 * k, from_s: k, to_s: k }));
+  assert.match(missingText({ missing: many }), /, 40 \(4\.00 s\) and 2 more gaps\.$/);
+  assert.equal(missingText(new RecordedRun(packedRun(ticks))), '');
 });
