@@ -1,6 +1,7 @@
 #include "host_tools/cli/run_description.h"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -67,6 +68,9 @@ void describe_run(const model::RobotConstants& robot, const simulation::Plant& p
   record.robot = drawing_of(robot);
   for (int joint = 0; joint < model::kJoints; ++joint) {
     record.torque_limit_Nm[joint] = plant.torque_limit_Nm()[joint];
+  }
+  for (std::array<double, model::kJoints>& allowed_Nm : record.allowed_torque_Nm) {
+    std::ranges::transform(allowed_Nm, record.torque_limit_Nm, allowed_Nm.begin(), std::ranges::min);
   }
   record.friction_coefficient = world.friction;
   add_ground(plant, world, record);

@@ -130,6 +130,8 @@ struct RunRecord {
   std::vector<Setting> settings;  ///< empty: not known
   RobotDrawing robot;
   double torque_limit_Nm[model::kJoints] = {};
+  /// The limits that hold: of all, and of plans and torque law where they are less. Empty: torque_limit_Nm.
+  std::vector<std::array<double, model::kJoints>> allowed_torque_Nm;
   double friction_coefficient = 0.6;
   /// Profile of the ground for drawing, x ascending; empty: level at z = 0.
   std::vector<double> ground_x_m, ground_z_m;

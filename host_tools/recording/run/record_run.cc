@@ -118,6 +118,7 @@ RecordRun run_of_record(const std::string& path) {
     rate_hz = configuration->timing.torque_rate_hz;
     run.friction_coefficient = configuration->inequality.friction_coefficient;
     run.settings = settings_of(*configuration);
+    run.allowed_torque_Nm = allowed_torque_Nm(*configuration, result.robot);
   } else {
     result.problems.push_back(path + ": " + configuration.error() +
                               "; the run is read without its limits and settings");

@@ -137,12 +137,8 @@ function uplotSeries(line, show, colours, width) {
   };
 }
 
-/**
- * ± the torque limit of the left joint `first` and its right one, whichever is less; none when it is not known. So it is
- * for each of `data.torqueShares`, the shares of the limit that hold; all of it without them.
- */
+/** ± the limits `data.torqueLimits_Nm` of the left joint `first` and its right one, whichever is less; none when not known. */
 function torqueLimits(data, first) {
-  const limits = data.geometry?.torque_limit_Nm ?? [];
-  const limit = Math.min(...[limits[first], limits[first + 2]].filter((one) => one > 0));
-  return Number.isFinite(limit) ? (data.torqueShares ?? [1]).flatMap((share) => [-share * limit, share * limit]) : [];
+  const limits = data.torqueLimits_Nm.map((list) => Math.min(...[list[first], list[first + 2]].filter((one) => one > 0)));
+  return [...new Set(limits)].filter(Number.isFinite).flatMap((limit) => [-limit, limit]);
 }

@@ -15,7 +15,8 @@ class RobotData {
   constructor(stateGroup, planLife_s) {
     this.stateGroup = stateGroup;
     this.planLife_s = planLife_s;
-    this.geometry = null;  // lengths of the links and torque limits
+    this.geometry = null;  // lengths of the links
+    this.torqueLimits_Nm = [];  // lists of the joints' limits: of all, and of plans and torque law where that is less
     this.ground = { x_m: [], z_m: [] };
     this.other = null;  // another RobotData, of a run to compare with
     this.hipUnknown = false;  // whether the last stateAt() has a hip put anywhere, as of a robot off its feet

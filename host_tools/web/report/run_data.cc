@@ -177,6 +177,7 @@ std::string run_data_json(const log::RunRecord& record) {
         {"thigh_length_m", record.robot.thigh_length_m},
         {"shin_length_m", record.robot.shin_length_m}}},
       {"torque_limit_Nm", record.torque_limit_Nm},
+      {"allowed_torque_Nm", record.allowed_torque_Nm},
       {"friction_coefficient", record.friction_coefficient},
       {"ground", {{"x_m", record.ground_x_m}, {"z_m", record.ground_z_m}}},
       {"summary", summary_json(record.summary, record.outcome_known)},

@@ -146,6 +146,17 @@ TEST_F(SimCommand, ALogIsReportedWithTheSpeedAndThePushOfItsRun) {
   EXPECT_EQ(one["float32_base64"], other["float32_base64"]) << "with the height of the push";
 }
 
+TEST_F(SimCommand, AReportHasTheLeastOfTheTorqueLimitsOfConfigurationAndMotors) {
+  const auto limit_Nm = [&](const std::string& options) {
+    EXPECT_EQ(run("sim --gait stand --duration 0.1 --report " + file("a.html") + options).status, 0);
+    const Json data = Json::parse(report::data_of_page(text_of(file("a.html"))));
+    return data["allowed_torque_Nm"].at(0).at(1).get<double>();
+  };
+  EXPECT_EQ(limit_Nm(" --set supervisor.torque_limit_share=0.75"), 60.0);
+  EXPECT_EQ(limit_Nm(" --set supervisor.torque_limit_share=0.75 --plant torque_limit_Nm=70"), 60.0);
+  EXPECT_EQ(limit_Nm(" --set supervisor.torque_limit_share=0.75 --plant torque_limit_Nm=50"), 50.0);
+}
+
 TEST_F(SimCommand, ALogOnStandardOutputStandsThereAlone) {
   const Outcome outcome = run("sim --gait stand --duration 0.05 --log -");
   ASSERT_EQ(outcome.status, 0) << outcome.errors;
@@ -185,6 +196,7 @@ TEST_F(SimCommand, TwoRunsBecomeAPageAndMistakesAreNamed) {
       0);
   const std::string page = text_of(file("a.html"));
   EXPECT_NE(page.find(R"("gait.swing_height_m":"0.07")"), std::string::npos) << "a report names its settings";
+  EXPECT_NE(page.find(R"("allowed_torque_Nm":[[80.0,80.0,80.0,80.0]])"), std::string::npos);
   const std::string both = "report " + file("a.html") + " " + file("b.jsonl");
   EXPECT_EQ(run(both + " --shift 0.5").status, 0);
   EXPECT_NE(text_of(file("a_b.html")).find(R"("shift_s": 0.5)"), std::string::npos)

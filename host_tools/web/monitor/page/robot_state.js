@@ -63,7 +63,8 @@ class RobotState extends RobotData {
     }
     this.configuration = configuration;
     this.geometry = configuration.drawing;
-    this.torqueShares = torqueShares(configuration.toml);
+    const limits = this.geometry?.torque_limit_Nm ?? [];
+    this.torqueLimits_Nm = torqueShares(configuration.toml).map((share) => limits.map((limit) => share * limit));
     this.friction_coefficient = Number(configuration.toml.match(/^friction_coefficient = ([\d.e+-]+)/m)?.[1]);
   }
 

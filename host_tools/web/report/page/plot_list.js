@@ -38,9 +38,10 @@ function jointPlots({ stateGroup }) {
 }
 
 function torquePlot(run, title, first) {
-  const limits = torqueLimits(run, first);
+  const limits = [...new Set([run, run.other].flatMap((one) => (one ? torqueLimits(one, first) : [])))];
+  const sizes = limits.filter((limit) => limit > 0).map((limit) => `±${formatTick(limit)}`);
   return {
-    title: limits.length > 0 ? `${title} (dotted: limit ±${formatTick(limits[1])} Nm)` : title,
+    title: sizes.length > 0 ? `${title} (dotted: ${sizes.length > 1 ? 'limits' : 'limit'} ${sizes.join(' and ')} Nm)` : title,
     axis: 'torque, Nm', unit: 'Nm', digits: 1, table: 'ticks', limits: () => limits,
     lines: sideLines('torque_Nm', [first, first + 2]),
   };

@@ -36,7 +36,9 @@ class RecordedRun extends RobotData {
     this.stride = run.ticks.stride;
     this.status_names = run.planner.status_names;
     this.friction_coefficient = run.friction_coefficient;
-    this.geometry = { ...run.robot, torque_limit_Nm: run.torque_limit_Nm };
+    this.geometry = run.robot;
+    const allowed = run.allowed_torque_Nm ?? [];  // none where the file names no configuration
+    this.torqueLimits_Nm = allowed.length > 0 ? allowed : [run.torque_limit_Nm];
     this.ground = run.ground;
     this.missing = run.missing_ticks ?? [];  // {first, last, from_s, to_s}: ticks that the file lacks
     const ticks = withBreaks(unpackTable(run.ticks), this.missing.map(({ from_s }) => from_s));

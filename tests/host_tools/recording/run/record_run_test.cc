@@ -6,6 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "host_tools/recording/record/recorder.h"
 #include "tests/host_tools/recording/mcap/sample_file.h"
@@ -94,6 +95,27 @@ TEST(RecordRun, AConfigurationOfAnotherReleaseIsReportedAndTheRunIsRead) {
       found.problems[0].substr(file.size()),
       ": the recorded configuration is refused by this program: the recorded configuration:2:1: unknown key "
       "gait.hops; the shipped files name every key; the run is read without its limits and settings");
+}
+
+TEST(RecordRun, TheTorqueLimitsAreThoseThatTheConfigurationAllows) {
+  const auto limits_of = [](const std::string& toml) {
+    const tests::OwnFolder folder;
+    const std::string file = folder.file("walk.mcap");
+    Recorder recorder(file, {});
+    recorder.take(configuration_sample(7, toml), 1);
+    recorder.take(ticks_sample(7, 0, 50), 3);
+    recorder.close();
+    std::vector<double> shares;
+    const RecordRun found = run_of_record(file);
+    for (const auto& allowed_Nm : found.run.allowed_torque_Nm) {
+      shares.push_back(allowed_Nm[1] / found.robot.torque_limit_Nm[1]);
+    }
+    return shares;
+  };
+  EXPECT_EQ(limits_of(""), std::vector<double>{1.0});
+  EXPECT_EQ(limits_of("[supervisor]\ntorque_limit_share = 0.5\n"), std::vector<double>{0.5});
+  EXPECT_EQ(limits_of("[robot]\ntorque_limit_scale = 0.25\n[supervisor]\ntorque_limit_share = 0.5\n"),
+            (std::vector<double>{0.5, 0.25}));
 }
 
 TEST(RecordRun, TicksThatAreMissingInTheMiddleAreReported) {

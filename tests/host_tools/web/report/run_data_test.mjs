@@ -4,8 +4,8 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { packedRun, scriptsOf, stateAt } from './packed_run.mjs';
 
-const { RecordedRun, headline, jointRows, missingText, outcomeRows, stepRows, windowOf } = scriptsOf(
-  'RecordedRun', 'headline', 'jointRows', 'missingText', 'outcomeRows', 'stepRows', 'windowOf');
+const { RecordedRun, headline, joinRuns, jointRows, missingText, outcomeRows, stepRows, torquePlot, windowOf } = scriptsOf(
+  'RecordedRun', 'headline', 'joinRuns', 'jointRows', 'missingText', 'outcomeRows', 'stepRows', 'torquePlot', 'windowOf');
 
 test('off its feet a robot has the pose of its joints, and no place of its hip', () => {
   const run = new RecordedRun(packedRun([
@@ -60,4 +60,14 @@ test('where ticks are missing nothing is drawn, and the page names them', () => 
   const many = Array.from({ length: 7 }, (_, k) => ({ first: 10 * k, last: 10 * k, from_s: k, to_s: k }));
   assert.match(missingText({ missing: many }), /, 40 \(4\.00 s\) and 2 more gaps\.$/);
   assert.equal(missingText(new RecordedRun(packedRun(ticks))), '');
+});
+
+test('torque limits are those that the configuration allows, of both runs in a comparison', () => {
+  const runOf = (...shares) => new RecordedRun(packedRun([{ time_s: [0] }, { time_s: [1] }],
+    { allowed_torque_Nm: shares.map((share) => Array(4).fill(80 * share)) }));
+  const plotOf = (run) => [torquePlot(run, 'Hip torque', 0).title, torquePlot(run, '', 0).limits()];
+  assert.deepEqual(plotOf(runOf()), ['Hip torque (dotted: limit ±80 Nm)', [-80, 80]], 'not known');
+  assert.deepEqual(plotOf(runOf(0.5)), ['Hip torque (dotted: limit ±40 Nm)', [-40, 40]]);
+  assert.deepEqual(plotOf(runOf(0.5, 0.25)), ['Hip torque (dotted: limits ±40 and ±20 Nm)', [-40, 40, -20, 20]]);
+  assert.deepEqual(plotOf(joinRuns(runOf(1), runOf(0.5))), ['Hip torque (dotted: limits ±80 and ±40 Nm)', [-80, 80, -40, 40]]);
 });
