@@ -219,6 +219,7 @@ int run_sim(const SimOptions& options, const std::string& command_line) {
   }
   record.command_line = command_line;
   record.settings = record::settings_of(parameters);
+  record.settings.insert(record.settings.begin(), {"robot", robot.constants.name});
   record.allowed_torque_Nm = record::allowed_torque_Nm(parameters, robot.constants);
   describe_run(robot.constants, plant, world, record);
   write_results(options, record, plant.fall(), controller->timing());

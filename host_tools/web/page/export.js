@@ -72,7 +72,7 @@ function plotSvg({ u, plot, legends, zero_s, group }) {
   c.fillStyle = colours.card;
   c.fillRect(0, -kTitle_px, width, height + kTitle_px);
   const like = { ctx: c, bbox: u.bbox, scales: u.scales, valToPos: (...words) => u.valToPos(...words) };
-  drawPushes(like, group.data.pushes, colours);
+  drawPushes(like, group.data, colours);
   drawSvgAxes(c, u, plot, zero_s, colours, ratio);
   drawLimits(like, plot.limits?.() ?? [], colours);
   c.save();

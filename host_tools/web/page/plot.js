@@ -68,7 +68,7 @@ class Plot {
       axes: uplotAxes(plot, colours, () => this.zero_s),
       series: [{}, ...series],
       hooks: {
-        drawClear: [(u) => drawPushes(u, group.data.pushes, colours), (u) => drawLimits(u, limits(), colours)],
+        drawClear: [(u) => drawPushes(u, group.data, colours), (u) => drawLimits(u, limits(), colours)],
         setSelect: [(u) => this.zoomToSelection(u)],
       },
     }, [[], ...plot.lines.map(() => [])], this.figure);

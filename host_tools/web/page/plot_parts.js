@@ -77,8 +77,8 @@ function drawLimits(u, limits, colours) {
   c.restore();
 }
 
-/** Shades the pushes behind the lines and writes their force above. */
-function drawPushes(u, pushes, colours) {
+/** Shades the pushes behind the lines and writes their force above; those of a second run fainter, between dashes. */
+function drawPushes(u, data, colours) {
   const c = u.ctx;
   const ratio = devicePixelRatio || 1;
   c.save();
@@ -89,14 +89,24 @@ function drawPushes(u, pushes, colours) {
   c.font = `${10 * ratio}px system-ui, sans-serif`;
   c.textAlign = 'left';
   c.textBaseline = 'top';
-  for (const push of pushes) {
+  c.strokeStyle = colours.push;
+  c.lineWidth = ratio;
+  c.setLineDash([4 * ratio, 4 * ratio]);
+  for (const push of pushesOf(data)) {
     if (push.to_s < u.scales.x.min || push.from_s > u.scales.x.max) continue;
     const from = u.valToPos(push.from_s, 'x', true);
     const to = Math.max(from + ratio, u.valToPos(push.to_s, 'x', true));
-    c.globalAlpha = 0.16;
+    c.globalAlpha = push.second ? 0.06 : 0.16;
     c.fillRect(from, u.bbox.top, to - from, u.bbox.height);
     c.globalAlpha = 1;
-    c.fillText(`${signed(push.force_N, 0)} N`, Math.max(from, u.bbox.left) + 3 * ratio, u.bbox.top + 2 * ratio);
+    for (const x of push.second ? [from, to] : []) {
+      c.beginPath();
+      c.moveTo(x, u.bbox.top);
+      c.lineTo(x, u.bbox.top + u.bbox.height);
+      c.stroke();
+    }
+    const text = `${signed(push.force_N, 0)} N${push.second ? ', second' : ''}`;
+    c.fillText(text, Math.max(from, u.bbox.left) + 3 * ratio, u.bbox.top + (push.second ? 14 : 2) * ratio);
   }
   c.restore();
 }

@@ -7,6 +7,11 @@ const kTruthLife_s = 0.5;
 /** Shown beside the pose of a robot off its feet. */
 const kHipUnknown = 'Pose of the joints; the place of the hip is not known off its feet';
 
+/** Pushes of a run, and of the one to compare with: {from_s, to_s, force_N, second}. */
+function pushesOf({ pushes, other }) {
+  return [...pushes.map((push) => ({ ...push, second: false })), ...(other?.pushes ?? []).map((push) => ({ ...push, second: true }))];
+}
+
 class RobotData {
   /**
    * `stateGroup`: columns of the table `ticks` with the state that is drawn. `planLife_s`: how long after its start a

@@ -100,8 +100,8 @@ function drawContactForces(view, pose, forces, colours) {
   });
 }
 
-/** A push as an arrow that ends where it acts, `share` of the torso above the hip, with its force beside. */
-function drawPush(view, pose, force_N, share, colours) {
+/** A push as an arrow that ends where it acts, `share` of the torso above the hip, with its force and `whose` beside. */
+function drawPush(view, pose, force_N, share, colours, whose = '') {
   if (!force_N) return;
   const tip = { x: pose.hip.x + share * (pose.head.x - pose.hip.x), z: pose.hip.z + share * (pose.head.z - pose.hip.z) };
   const side = Math.sign(force_N);
@@ -109,7 +109,7 @@ function drawPush(view, pose, force_N, share, colours) {
   const tail = { x: end.x - side * Math.max(0.12, Math.abs(kPushScale_m_N * force_N)), z: tip.z };
   drawArrow(view, tail, end, colours.push, 5);
   const c = view.context;
-  const label = `${Math.abs(force_N).toFixed(0)} N`;
+  const label = `${Math.abs(force_N).toFixed(0)} N${whose}`;
   c.font = '600 13px system-ui, sans-serif';
   c.textAlign = 'center';
   c.textBaseline = 'bottom';
@@ -146,6 +146,13 @@ function drawFrictionCones(view, pose, forces, mu, colours) {
     drawPath(view, edges, colour, 1);
     c.globalAlpha = alpha;
   });
+}
+
+/** The robot of a second run, as dashed lines with the push on it. */
+function drawSecond(view, data, pose, colours, time_s) {
+  drawSkeleton(view, pose, colours, 2.5, [6, 4]);
+  const push = data.pushAt(time_s);
+  if (push) drawPush(view, pose, push.force_N, push.above_hip_m / data.geometry.torso_length_m, colours, ', second');
 }
 
 /** The robot at `time_s` with the push on it and, when wanted, its contact forces and friction cones. */

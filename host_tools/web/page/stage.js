@@ -61,7 +61,7 @@ class Stage {
       this.showForces.checked && !data.hipUnknown, this.showCones.checked && !data.hipUnknown);
     const compared = data.other?.stateAt(time_s);
     context.globalAlpha = data.other?.hipUnknown ? kUnknownAlpha : 1;
-    if (compared) drawSkeleton(view, poseOfState(data.other.geometry, compared), this.colours, 2.5, [6, 4]);
+    if (compared) drawSecond(view, data.other, poseOfState(data.other.geometry, compared), this.colours, time_s);
     context.globalAlpha = 1;
   }
 

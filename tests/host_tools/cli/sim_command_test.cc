@@ -196,6 +196,7 @@ TEST_F(SimCommand, TwoRunsBecomeAPageAndMistakesAreNamed) {
       0);
   const std::string page = text_of(file("a.html"));
   EXPECT_NE(page.find(R"("gait.swing_height_m":"0.07")"), std::string::npos) << "a report names its settings";
+  EXPECT_NE(page.find(R"("settings":{"robot":"amber3m",)"), std::string::npos) << "as a record does";
   EXPECT_NE(page.find(R"("allowed_torque_Nm":[[80.0,80.0,80.0,80.0]])"), std::string::npos);
   const std::string both = "report " + file("a.html") + " " + file("b.jsonl");
   EXPECT_EQ(run(both + " --shift 0.5").status, 0);

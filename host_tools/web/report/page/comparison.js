@@ -41,7 +41,8 @@ function joinRuns(first, second) {
 function comparedLines(run, lines) {
   return lines.filter((line) => !line.dash).flatMap((line) => {
     const column = kSecond + line.column.replace(/^(true|estimated)_state/, run.other.stateGroup);
-    return [line, { ...line, label: `${line.label}, second`, dash: [6, 4], width: 1.2, column }];
+    const name = line.label === stateName(run) ? stateName(run.other) : line.label;
+    return [line, { ...line, label: `${name}, second`, dash: [6, 4], width: 1.2, column }];
   });
 }
 
@@ -77,12 +78,36 @@ function differingSettings(run) {
   return sideBySide((one) => Object.entries(one.settings), run).filter(([, first, second]) => first !== second);
 }
 
+/** The pushes of a run, in its own time, as texts. A record of stiltd has none of them. */
+function pushTexts({ pushes, controller, shift_s, tables: { ticks } }) {
+  if (controller) return ['–'];
+  if (pushes.length === 0) return ['none'];
+  return pushes.map(({ force_N, from_s, to_s }) => {
+    const [above_m] = ticks.before([ticks.column('push_above_hip_m')], from_s);
+    const [from, to] = [from_s, to_s].map((time_s) => (time_s - shift_s).toFixed(2));
+    return `${signed(force_N, 1)} N from ${from} to ${to} s, ${above_m.toFixed(2)} m above the hip`;
+  });
+}
+
+/** The first texts of a list, and how many more there are. */
+function firstOf(texts) {
+  const more = texts.length - kMostPushes;
+  return texts.slice(0, kMostPushes).join('; ') + (more > 0 ? ` and ${more} more` : '');
+}
+
+/** Pushes and settings with another value in the second run: [key, value, value]. */
+function differences(run, withSettings) {
+  const pushes = [run, run.other].map(pushTexts);
+  const differ = pushesOf(run).length > 0 && pushes[0].join() !== pushes[1].join();
+  return [...(differ ? [['pushes', ...pushes.map(firstOf)]] : []), ...(withSettings ? differingSettings(run) : [])];
+}
+
 function addSettings(container, run, names) {
   const without = names.filter((_, k) => Object.keys([run, run.other][k].settings).length === 0);
-  const differing = without.length > 0 ? [] : differingSettings(run);
-  addTable(container, 'Settings that differ', differing, ['', ...names]);
+  const differing = differences(run, without.length === 0);
+  addTable(container, 'Pushes and settings that differ', differing, ['', ...names]);
   const note = without.length > 0 ? `${without.join(' and ')} ${without.length > 1 ? 'name' : 'names'} no settings.`
-    : differing.length === 0 ? 'All settings are the same.' : '';
+    : differing.length === 0 ? 'All pushes and settings are the same.' : '';
   if (note) container.append(element('p', { className: 'hint', textContent: note }));
 }
 

@@ -12,8 +12,14 @@ function sideLines(column, [left, right], planned = null) {
   });
 }
 
-function basePlots({ stateGroup }) {
-  const label = stateGroup.split('_')[0];  // true or estimated
+/** What the state that is drawn is: true or estimated. */
+function stateName({ stateGroup }) {
+  return stateGroup.split('_')[0];
+}
+
+function basePlots(run) {
+  const { stateGroup } = run;
+  const label = stateName(run);
   const lines = (k) => [
     { label, colour: 'body', column: `${stateGroup}${k}` },
     { label: 'planned', colour: 'plan', ...kPlanned, column: `planned_state${k}` },

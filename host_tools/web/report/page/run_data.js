@@ -48,6 +48,7 @@ class RecordedRun extends RobotData {
     for (const step of run.summary.steps) step.time_s += shift_s;
     // A simulation samples controller and robot together.
     this.tables = { ticks, truth: ticks, planner, plan: nodes };
+    this.shift_s = shift_s;
     this.start_s = ticks.oldestTime ?? 0;
     this.end_s = Math.max(ticks.newestTime ?? 1, this.start_s + 1e-3);
     const ends = [...run.plans.first_node.slice(1), this.tables.plan.rows];

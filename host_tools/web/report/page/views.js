@@ -5,7 +5,9 @@ const kBeforePush_s = 2;
 const kMostPushes = 6;
 
 /** The whole run and, when it is long, a window at each push or at the start. */
-function viewsOf({ start_s, end_s, pushes }) {
+function viewsOf(run) {
+  const { start_s, end_s } = run;
+  const pushes = pushesOf(run);
   const views = [{ name: 'Whole run', window: [start_s, end_s] }];
   if (end_s - start_s < 1.5 * kWindow_s) return views;
   const windowAt = (from) => {
@@ -14,7 +16,7 @@ function viewsOf({ start_s, end_s, pushes }) {
   };
   for (const push of pushes.slice(0, kMostPushes)) {
     views.push({
-      name: `Push of ${signed(push.force_N, 0)} N at ${push.from_s.toFixed(1)} s`,
+      name: `Push of ${signed(push.force_N, 0)} N at ${push.from_s.toFixed(1)} s${push.second ? ', second' : ''}`,
       window: windowAt(push.from_s - kBeforePush_s),
     });
   }

@@ -3,8 +3,9 @@
 import { readFileSync } from 'node:fs';
 
 const kFolder = new URL('../../../../host_tools/web/', import.meta.url);
-const kScripts = ['page/elements.js', 'page/table.js', 'page/kinematics.js', 'page/robot_data.js', 'page/plot_parts.js',
-  'report/page/run_data.js', 'report/page/views.js', 'report/page/plot_list.js', 'report/page/summary.js', 'report/page/comparison.js'];
+const kScripts = ['page/elements.js', 'page/table.js', 'page/kinematics.js', 'page/robot_data.js', 'page/svg_context.js',
+  'page/plot_parts.js', 'report/page/run_data.js', 'report/page/views.js', 'report/page/plot_list.js', 'report/page/summary.js',
+  'report/page/comparison.js'];
 
 /** The names given, of the scripts of the page. */
 export function scriptsOf(...names) {
@@ -15,6 +16,11 @@ export function scriptsOf(...names) {
 const kGroups = {
   time_s: 1, true_state: 14, estimated_state: 14, planned_state: 14, torque_Nm: 4, contact_force_N: 4,
   planned_contact_force_N: 4, foot_position_m: 4, scheduled_mode: 2, push_N: 1, push_above_hip_m: 1, commanded_speed_m_s: 1,
+};
+
+const kSolveGroups = {
+  time_s: 1, solve_ms: 1, status: 1, iterations: 1, dynamics_defect_max: 1, equality_violation_max: 1,
+  friction_cone_violation_max_N: 1, pulling_force_max_N: 1, torque_violation_max_Nm: 1,
 };
 
 /** Packed columns. `values(name, row)` gives those of a group, or nothing where they are unknown. */
@@ -41,7 +47,7 @@ export function packedRun(ticks, more = {}) {
     settings: {},
     ticks: { ...packed(kGroups, ticks.length, (name, row) => ticks[row][name]), stride: 1 },
     plans: { time_s: [], first_node: [], nodes: packed({ time_s: 1, base_x_m: 1 }, 0, () => []) },
-    planner: { ...packed({ time_s: 1, status: 1 }, 0, () => []), status_names: [] },
+    planner: { ...packed(kSolveGroups, 0, () => []), status_names: [] },
     ...more,
     summary: {
       survived: true, fall_time_s: null, duration_s: 1, distance_m: 1, mean_speed_m_s: 1, steps: [],
