@@ -125,6 +125,12 @@ std::string default_out(const std::vector<std::string>& files) {
   return (first.parent_path() / (name + ".html")).string();
 }
 
+/// A page that nobody named replaces none: `--report walk.html` of a simulation has the name that walk.mcap
+/// gets.
+void check_new(const std::string& out) {
+  if (fs::exists(out)) throw UsageError(out + ": exists; name another with --out");
+}
+
 }  // namespace
 
 CLI::App* add_report_command(CLI::App& program, ReportOptions& options) {
@@ -139,7 +145,7 @@ CLI::App* add_report_command(CLI::App& program, ReportOptions& options) {
       ->expected(1, 2);
   command->add_option(
       "--out", options.out,
-      "writes the page here, HTML; default: beside the first file, with the names of the files");
+      "writes the page here, HTML; default: a new file beside the first one, with the names of the files");
   command
       ->add_option("--robot", options.robot,
                    "the robot of samples and of a black box, which do not name it: " + robot_help())
@@ -158,6 +164,7 @@ int run_report(const ReportOptions& options) {
   inputs.insert(inputs.end(), options.files.begin(), options.files.end());
   check_output_files({{"--out", out}}, inputs);
   check_use(options);
+  if (options.out.empty()) check_new(out);
   const Input first = read(options.files[0], options.robot);
   if (options.files.size() == 1) {
     if (!first.page.empty()) {

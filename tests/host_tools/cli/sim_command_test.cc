@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "host_tools/web/report/comparison_page.h"
 #include "tests/host_tools/program_test.h"
@@ -205,7 +206,7 @@ TEST_F(SimCommand, TwoRunsBecomeAPageAndMistakesAreNamed) {
   EXPECT_EQ(run("report " + file("b.jsonl")).status, 0);
   EXPECT_TRUE(std::filesystem::exists(file("b.html")));
   std::filesystem::resize_file(file("b.jsonl"), std::filesystem::file_size(file("b.jsonl")) - 20);
-  const Outcome cut = run("report " + file("b.jsonl"));
+  const Outcome cut = run("report " + file("b.jsonl") + " --out " + file("b.html"));
   EXPECT_EQ(cut.status, 1);
   EXPECT_NE(cut.errors.find("is no sample of --log; the report ends before it"), std::string::npos);
   const auto complaint = [&](const std::string& arguments) {
@@ -222,6 +223,24 @@ TEST_F(SimCommand, TwoRunsBecomeAPageAndMistakesAreNamed) {
   EXPECT_NE(complaint("/nowhere/walk.mcap --out " + file("c.html")).find("No such file"), std::string::npos);
   std::ofstream(file("notes.txt")) << "walked well";
   EXPECT_NE(complaint(file("notes.txt")).find("is no file of a run"), std::string::npos);
+}
+
+/// `stilt sim --report walk.html` beside walk.mcap of stilt record.
+TEST_F(SimCommand, AReportWithoutANameReplacesNoPage) {
+  ASSERT_EQ(run("sim --gait stand --duration 0.2 --log " + file("walk.jsonl")).status, 0);
+  std::ofstream(file("walk.html")) << "of a simulation";
+  std::ofstream(file("walk_walk.html")) << "of two";
+  for (const auto& [files, page] :
+       {std::pair{" " + file("walk.jsonl"), "walk.html"},
+        {" " + file("walk.jsonl") + " " + file("walk.jsonl"), "walk_walk.html"}}) {
+    const std::string before = text_of(file(page));
+    const Outcome refused = run("report" + files);
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_EQ(refused.errors, "stilt: " + file(page) + ": exists; name another with --out\n");
+    EXPECT_EQ(text_of(file(page)), before);
+    EXPECT_EQ(run("report" + files + " --out " + file(page)).status, 0) << "a page that is named is replaced";
+    EXPECT_NE(text_of(file(page)), before);
+  }
 }
 
 TEST_F(SimCommand, APresetChangesTheRunAndWhatTheUserSetsChangesThePreset) {
