@@ -13,4 +13,7 @@ namespace stilt::library {
 [[nodiscard]] std::expected<configuration::Configuration, std::string> read_settings(
     const Settings& settings);
 
+/// An error with the library's names where it begins with an option of the programs.
+[[nodiscard]] std::string with_library_names(std::string error);
+
 }  // namespace stilt::library

@@ -67,7 +67,7 @@ std::expected<SimulatedRobot, std::string> SimulatedRobot::create(const Settings
   world.time_step_s = simulation::time_step_for_tick(world.time_step_s, tick_s);
   return SimulatedRobot(std::make_unique<Parts>(**robot, world, *configuration, seed, tick_s));
 } catch (const std::exception& error) {
-  return std::unexpected(std::string(error.what()));
+  return std::unexpected(library::with_library_names(error.what()));
 }
 
 Measurements SimulatedRobot::read() {

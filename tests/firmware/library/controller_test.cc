@@ -251,7 +251,12 @@ TEST(OwnLoop, WhatIsWrongIsASentence) {
   EXPECT_FALSE(Controller::create({.configuration_file = "/nowhere/mine.toml"}));
   const auto robot = SimulatedRobot::create({}, {"friction=-1"});
   ASSERT_FALSE(robot);
-  EXPECT_NE(robot.error().find("friction"), std::string::npos) << robot.error();
+  EXPECT_EQ(robot.error(), "plant: friction=-1: friction must be a number from 0.01 to 5");
+  const Settings nameless = {.robot = "mine"};
+  for (const auto& refused :
+       {Controller::create(nameless).error(), SimulatedRobot::create(nameless).error()}) {
+    EXPECT_TRUE(refused.starts_with("Settings::robot: there is no robot \"mine\"")) << refused;
+  }
 }
 
 TEST(OwnLoop, TheRobotOfAFileNeedsNoOtherName) {
