@@ -26,6 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kLongestShift_s = 1e6;
+
 /// What a file holds, and whether all of it could be read.
 struct Input {
   log::RunRecord run;  ///< unless it is a page
@@ -102,6 +104,10 @@ report::ComparedRun compared(const std::string& file, const Input& input) {
 void check_use(const ReportOptions& options) {
   if (options.shift_s && !std::isfinite(*options.shift_s)) {
     throw UsageError("--shift: must be a number of seconds");
+  }
+  if (options.shift_s && std::abs(*options.shift_s) > kLongestShift_s) {
+    throw UsageError("--shift " + simulation::number_text(*options.shift_s) +
+                     ": must lie within 1000000 s either way");
   }
   if (options.shift_s && options.files.size() == 1) {
     throw UsageError("--shift " + simulation::number_text(*options.shift_s) + ": needs a second file");

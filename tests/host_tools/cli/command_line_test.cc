@@ -132,6 +132,7 @@ TEST_F(CommandLine, AMistakeIsSaidOfTheCommandItBelongsTo) {
        "stilt: sim: --speed: nan is no number; give one, such as 0.5; see stilt sim --help\n"},
       {"sim --lump legs", "stilt: --lump legs: only --controller mpc-lumped neglects mass and inertia\n"},
       {"report x.mcap --shift 1", "stilt: --shift 1: needs a second file\n"},
+      {"report x.mcap y.mcap --shift -2e6", "stilt: --shift -2e+06: must lie within 1000000 s either way\n"},
       {"replay x.mcap --port 9000", "stilt: replay: --port requires --monitor; see stilt replay --help\n"},
       {"replay x.mcap --no-browser",
        "stilt: replay: --no-browser requires --monitor; see stilt replay --help\n"},
