@@ -127,12 +127,14 @@ class Robot:
     def close(self) -> None:
         """Ends the connection; a robot that moves comes to a stand."""
         self._closed.set()
+        self._lose('the connection to the monitor is closed')
         self._socket.shutdown()
 
     @property
     def state(self) -> RobotState:
-        """What the robot reported last."""
+        """What the robot reported last. Raises RobotError when it is silent or the connection is lost or closed."""
         with self._changed:
+            self._check()
             now, hello = self._supervisor, self._hello
         rows = [row['name'] for bit, row in enumerate(hello['faults']) if (now['present'] | now['latched']) >> bit & 1]
         return RobotState(now['time_s'], hello['states'][now['state']]['name'],
@@ -194,18 +196,16 @@ class Robot:
         self._look()
 
     def wait_for(self, state: str, timeout_s: float = 30.0) -> None:
-        """Waits until the robot is in a state, such as 'stand'. Raises RobotError when it has a fault meanwhile, or
-        does not get there in time."""
+        """Waits until the robot is in a state, such as 'stand'. Raises RobotError when it has a fault or falls silent
+        meanwhile, or does not get there in time."""
         names = [row['name'] for row in self._hello['states']]
         if state not in names:
             raise ValueError(f'{state} is no state; {", ".join(names)} are')
         end_s = _end_s(timeout_s)
         with self._changed:
-            while self.state.state != state:
-                self._look(state)
+            while (now := self._look(state).state) != state:
                 if time.monotonic() >= end_s:
-                    raise RobotError(f'the robot is in the state {self.state.state}, not {state}, '
-                                     f'after {timeout_s:g} s')
+                    raise RobotError(f'the robot is in the state {now}, not {state}, after {timeout_s:g} s')
                 self._changed.wait(ALIVE_PERIOD_S)
 
     def recent(self) -> pd.DataFrame:
@@ -220,17 +220,21 @@ class Robot:
         frame['time_s'] = np.concatenate([base_s + rows[:, 0].astype(float) for base_s, rows in parts])
         return frame.set_index('time_s')
 
-    def _look(self, wanted: str = '') -> None:
-        """Raises what keeps the robot from going on."""
+    def _check(self) -> None:
+        """Raises why the last report is no longer what the robot does."""
         if self._problem:
             raise RobotError(self._problem)
         silent_s = max(self._silent_s, time.monotonic() - self._received_s - SILENCE_S)
         if silent_s > SILENCE_S:
             raise RobotError(f'the robot has been silent for {silent_s:.1f} s')
+
+    def _look(self, wanted: str = '') -> RobotState:
+        """What the robot reported last; raises what keeps it from going on."""
         now = self.state
         if now.state == 'fault' and wanted != 'fault':
             what = f'the robot has the fault {" and ".join(now.faults)}'
             raise RobotError('; '.join([what, *filter(None, now.found)]))
+        return now
 
     def _ask(self, command: str, **values: Any) -> None:
         """Sends a command and waits for the reply."""
@@ -282,8 +286,12 @@ class Robot:
             reason = 'it ended it'
         except Exception as error:  # of the socket or of the library
             reason = str(error)
+        self._lose(f'the connection to the monitor is lost ({reason})')
+
+    def _lose(self, problem: str) -> None:
+        """Keeps the first reason why nothing comes any more."""
         with self._changed:
-            self._problem = f'{self._address}: the connection to the monitor is lost ({reason})'
+            self._problem = self._problem or f'{self._address}: {problem}'
             self._changed.notify_all()
 
     def _take(self, data: str | bytes) -> None:

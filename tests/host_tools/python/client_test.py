@@ -30,6 +30,31 @@ class Client(unittest.TestCase):
         with self.assertRaisesRegex(stilt.RobotError, r'^the robot has been silent for \d+\.\d s$'):
             self.robot.wait(10.0)
 
+    def test_a_robot_that_is_silent_ends_a_wait_for_the_state_that_it_reported_last(self):
+        self.assertEqual(self.robot.state.state, 'stand')
+        self.monitor.send({'type': 'link', 'time_s': 7.0, 'silent_s': 4.0})
+        with self.robot._changed:
+            self.robot._changed.wait_for(lambda: self.robot._link_time_s == 7.0, PATIENCE_S)
+        for look in (lambda: self.robot.state, lambda: self.robot.wait_for('stand'), lambda: self.robot.wait(0.0)):
+            with self.assertRaisesRegex(stilt.RobotError, r'^the robot has been silent for 4\.0 s$'):
+                look()
+
+    def test_a_connection_that_is_closed_or_lost_ends_a_wait_for_the_state_that_was_reported_last(self):
+        def expect(address: str, robot: stilt.Robot, pattern: str) -> None:
+            for look in (lambda: robot.state, lambda: robot.wait_for('stand')):
+                with self.assertRaisesRegex(stilt.RobotError, f'^{address}: the connection to the monitor is {pattern}$'):
+                    look()
+
+        other = StubMonitor()
+        self.addCleanup(other.close)
+        robot = stilt.Robot(other.address, token='0' * 32, patience_s=PATIENCE_S)
+        robot.close()
+        expect(other.address, robot, 'closed')
+        self.monitor.hang_up()
+        with self.robot._changed:
+            self.robot._changed.wait_for(lambda: self.robot._problem, PATIENCE_S)
+        expect(self.monitor.address, self.robot, r'lost \(.*\)')
+
     def test_a_command_returns_the_newest_time_of_the_monitor(self):
         """The monitor refuses by it what comes late (live_view_commands_test.cc)."""
         self.robot.stop()

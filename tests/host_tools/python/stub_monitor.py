@@ -61,6 +61,10 @@ class StubMonitor:
         """Of the commands, in their order; None where a command has no such key."""
         return [message.get(key) for _, message in self._received if 'command' in message]
 
+    def hang_up(self) -> None:
+        """Ends the connection."""
+        self._client.shutdown(socket.SHUT_RDWR)
+
     def close(self) -> None:
         self._listener.close()
         self._client.close()
