@@ -209,7 +209,7 @@ class Robot:
                 self._changed.wait(ALIVE_PERIOD_S)
 
     def recent(self) -> pd.DataFrame:
-        """The ticks of the last minute at most, with the index time_s (since tick 0) and the columns of the page.
+        """The ticks of the last minute of this run at most, with the index time_s (since tick 0) and the columns of the page.
         They are estimated_state0 to 13, measured_torque_Nm0 to 3 and so on, as 32-bit floats."""
         with self._changed:
             parts = list(self._ticks)
@@ -307,6 +307,8 @@ class Robot:
         elif kind == 'link':
             self._silent_s, self._link_time_s = message['silent_s'], message['time_s']
         elif kind in ('hello', 'access', 'configuration', 'supervisor'):
+            if kind == 'configuration' and message['run_id'] != self._configuration.get('run_id'):
+                self._ticks.clear()  # the ticks before are those of an earlier run
             setattr(self, f'_{kind}', message)
 
     def _table(self, data: bytes) -> None:
@@ -315,7 +317,7 @@ class Robot:
             return
         values = np.frombuffer(data, '<f4', offset=TABLE_HEAD.size).reshape(rows, -1)
         self._ticks.append((base_s, values))
-        while base_s - self._ticks[0][0] > KEPT_S or base_s < self._ticks[0][0]:
+        while base_s - self._ticks[0][0] > KEPT_S:
             self._ticks.popleft()
 
 

@@ -110,19 +110,27 @@ class Client(unittest.TestCase):
         with self.assertRaisesRegex(stilt.RobotError, r'^the robot has been silent for'):
             self.robot.wait(math.inf)
 
-    def test_ticks_are_kept_for_a_minute_and_none_of_an_earlier_run(self):
-        def kept_after(*bases_s: float) -> list[float]:
-            for base_s in bases_s:
-                self.monitor.send_ticks(base_s, [(0.0, 0.78), (0.5, 0.78)])
-            newest_s = bases_s[-1] + 0.5
-            with self.robot._changed:
-                self.robot._changed.wait_for(
-                    lambda: self.robot._ticks and self.robot.recent().index[-1] == newest_s, PATIENCE_S)
-            return list(self.robot.recent().index)
+    def kept_after(self, *bases_s: float) -> list[float]:
+        """Times of the ticks that are kept once two have come at each of these times and half a second later."""
+        for base_s in bases_s:
+            self.monitor.send_ticks(base_s, [(0.0, 0.78), (0.5, 0.78)])
+        newest_s = bases_s[-1] + 0.5
+        with self.robot._changed:
+            self.robot._changed.wait_for(
+                lambda: self.robot._ticks and self.robot.recent().index[-1] == newest_s, PATIENCE_S)
+        return list(self.robot.recent().index)
 
-        self.assertEqual(kept_after(0.0, 30.0), [0.0, 0.5, 30.0, 30.5])
-        self.assertEqual(kept_after(61.0), [30.0, 30.5, 61.0, 61.5])
-        self.assertEqual(kept_after(2.0), [2.0, 2.5], 'another run began')
+    def test_ticks_are_kept_for_a_minute(self):
+        self.assertEqual(self.kept_after(0.0, 30.0), [0.0, 0.5, 30.0, 30.5])
+        self.assertEqual(self.kept_after(61.0), [30.0, 30.5, 61.0, 61.5])
+        self.monitor.send({'type': 'configuration', 'run_id': '000000000000000a', 'toml': 'again'})
+        self.assertEqual(self.kept_after(62.0), [30.0, 30.5, 61.0, 61.5, 62.0, 62.5], 'the run goes on')
+
+    def test_ticks_of_an_earlier_run_are_not_kept(self):
+        """Whether the new run is younger than all of them, or than some."""
+        for run_id, bases_s in (('b', (0.0, 5.0)), ('c', (2.0,)), ('d', (1.0,))):
+            self.monitor.send({'type': 'configuration', 'run_id': run_id, 'toml': ''})
+            self.assertEqual(self.kept_after(*bases_s), [time_s for base_s in bases_s for time_s in (base_s, base_s + 0.5)])
 
 
 if __name__ == '__main__':

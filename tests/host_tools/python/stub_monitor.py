@@ -16,7 +16,7 @@ GREETING = (
     {'type': 'hello', 'live': True, 'columns': {'ticks': ['time_s', 'height_m']}, 'faults': [],
      'states': [{'name': 'stand'}], 'fallback_levels': [{'name': 'plan'}]},
     {'type': 'access'},
-    {'type': 'configuration', 'toml': ''},
+    {'type': 'configuration', 'run_id': '000000000000000a', 'toml': ''},
     {'type': 'supervisor', 'time_s': 0.0, 'state': 0, 'fallback_level': 0, 'present': 0, 'latched': 0, 'found': {},
      'speed_m_s': 0.0, 'base_height_m': 0.78},
 )
