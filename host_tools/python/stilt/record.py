@@ -20,6 +20,8 @@ STATES = ('x_b_m', 'z_b_m', 'pitch_b_rad', 'hip_L_rad', 'knee_L_rad', 'hip_R_rad
           'x_b_m_s', 'z_b_m_s', 'pitch_b_rad_s', 'hip_L_rad_s', 'knee_L_rad_s', 'hip_R_rad_s', 'knee_R_rad_s')
 
 CONFIGURATION = '/stilt/configuration'
+TICKS = '/stilt/ticks'
+GAPS_NAMED = 5  # in one sentence
 
 # Fields that times and runs take, asked for or not.
 NEEDED = {'run_id', 'first_tick', 'count', 'time_ns', 'time_s', 'start_time_s', 'header.stamp.sec',
@@ -39,7 +41,7 @@ class Record:
 
     Raises RecordError with one sentence for a file that is no record, is cut off or damaged, or has messages of another
     release. With partial=True a record that was cut off is read as far as it goes, without the topics whose messages
-    cannot be decoded. `problems` names both.
+    cannot be decoded. `problems` names both, and ticks that are missing, with which a record is read as any other.
     """
 
     def __init__(self, path: str | Path, partial: bool = False) -> None:
@@ -50,13 +52,16 @@ class Record:
         self._starts: dict[int, tuple[int, int]] = {}  # of each run: clock and time of day of tick 0, nanoseconds
         self._lockstep = False  # in one of the runs
         self._defects: dict[str, str] = {}  # of each topic whose messages cannot be decoded
+        self._received: dict[int, _Received] = {}  # ticks of each run
         reader = Reader(self.path)
         for message in reader.messages():
             self._look_at(message)
         self.problems: list[str] = [*reader.problems, *self._defects.values()]
-        """What is wrong with the file, one sentence each."""
+        """What is wrong with the file or missing in it, one sentence each."""
         if self.problems and not partial:
             raise RecordError(f'{self.problems[0]}; stilt.Record(path, partial=True) reads what is there')
+        self.problems += [f'{self.path}: {_listed(received.gaps)} of run {run} are missing'
+                          for run, received in self._received.items() if received.gaps]
         self.attachments: dict[str, str] = reader.attachments
         """Texts in the record by name: configuration_RUN.toml, ROBOT.urdf."""
         self.metadata: dict[str, str] = dict(reader.metadata[-1][1]) if reader.metadata else {}
@@ -66,6 +71,12 @@ class Record:
     def runs(self) -> list[int]:
         """The numbers of the runs of stiltd in this record, in the order in which they began."""
         return list(self._starts)
+
+    def missing(self, run: int | None = None) -> list[tuple[int, int]]:
+        """First and last number of each gap in the ticks of a run, before the last tick that is in the record. The
+        ticks of a gap did not reach the recorder, or it started later than stiltd."""
+        run = self._chosen(run)
+        return list(self._received[run].gaps) if run in self._received else []
 
     def start_time_ns(self, run: int | None = None) -> int:
         """Time of day of tick 0, nanoseconds since 1970."""
@@ -130,6 +141,8 @@ class Record:
                 self._types[topic] = (parse_definition(schema.text, schema.name), schema.name)
             if topic == CONFIGURATION:
                 self._configuration(message)
+            elif topic == TICKS:
+                self._count(message)
         except RecordError:
             raise
         except ValueError as error:
@@ -144,6 +157,16 @@ class Record:
             raise RecordError(f'{self.path}: has messages of wire version {values["wire_version"]}, {self._needed()}')
         self._starts.setdefault(values['run_id'], (values['start_clock_ns'], values['start_time_ns']))
         self._lockstep = self._lockstep or values['lockstep']
+
+    def _count(self, message: Message) -> None:
+        """Notes which ticks a batch has, without a look at their values."""
+        types, name = self._types[TICKS]
+        wanted = {'run_id', 'first_tick', 'count'}
+        if not wanted <= {field.name for field in types[name]}:
+            return
+        end = max(at for at, field in enumerate(types[name], 1) if field.name in wanted)
+        values = Decoder({**types, name: types[name][:end]}, name).decode(message.data, wanted)
+        self._received.setdefault(values['run_id'], _Received()).add(values['first_tick'], values['count'])
 
     @staticmethod
     def _needed() -> str:
@@ -247,6 +270,27 @@ class Record:
                    for key, values in columns.items()}
         start_ns = self._starts[run][0] if run in self._starts else min(columns['time_ns'], default=0)
         return {'tick': columns.pop('tick'), 'time_s': 1e-9 * (columns['time_ns'] - start_ns), **columns}
+
+
+class _Received:
+    """Ticks of a run in the order of their arrival, as TickLedger of stilt record counts them."""
+
+    def __init__(self) -> None:
+        self.gaps: list[tuple[int, int]] = []  # first and last tick that are missing
+        self._following = 0
+
+    def add(self, first: int, count: int) -> None:
+        if first + count <= self._following:
+            return
+        if first > self._following:
+            self.gaps.append((self._following, first - 1))
+        self._following = first + count
+
+
+def _listed(gaps: list[tuple[int, int]]) -> str:
+    words = [f'{first} to {last}' if last > first else str(first) for first, last in gaps[:GAPS_NAMED]]
+    more = f' and {len(gaps) - GAPS_NAMED} more gaps' if len(gaps) > GAPS_NAMED else ''
+    return f'ticks {", ".join(words)}{more}'
 
 
 def column_names(field: str, count: int) -> list[str]:

@@ -14,6 +14,7 @@ from stilt.record import WIRE_VERSION
 
 S_NS = 1_000_000_000
 CONFIGURATION = 'uint64 run_id\nint64 start_time_ns\nint64 start_clock_ns\nbool lockstep\nuint32 wire_version\n'
+TICKS = 'uint64 run_id\nuint64 first_tick\nuint64 dropped\nuint32 count\nint64[] time_ns\n'
 STAMPED = ('std_msgs/Header header\nint32 x\n===\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\n'
            '===\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n')
 LITTLE_ENDIAN = bytes((0, 1, 0, 0))
@@ -26,6 +27,12 @@ def run(number: int, start_ns: int, lockstep: bool = False) -> tuple[str, str, s
 
 def stamped(x: int, stamp_ns: int) -> tuple[str, str, str, bytes]:
     return '/joint_states', 'a/msg/State', STAMPED, LITTLE_ENDIAN + struct.pack('<iIi', *divmod(stamp_ns, S_NS), x)
+
+
+def ticks(number: int, first: int, count: int) -> tuple[str, str, str, bytes]:
+    times_ns = [tick * 1_000_000 for tick in range(first, first + count)]
+    return '/stilt/ticks', 'a/msg/Ticks', TICKS, LITTLE_ENDIAN + struct.pack(f'<QQQII{count}q', number, first, 0, count,
+                                                                            count, *times_ns)
 
 
 def plain(x: int) -> tuple[str, str, str, bytes]:
@@ -77,6 +84,18 @@ class WrittenRecords(unittest.TestCase):
             self.rows(record, 5)
         with self.assertRaisesRegex(stilt.RecordError, '/cmd_vel have neither run nor time; leave run= out$'):
             record.frame('/cmd_vel', run=5)
+
+    def test_ticks_that_are_missing_are_named_and_the_others_read(self):
+        record = self.record(run(5, 0), ticks(5, 0, 4), ticks(5, 7, 4), ticks(5, 0, 4), ticks(5, 11, 1), run(7, 0), ticks(7, 3, 2),
+                             ticks(7, 5, 2), ticks(7, 8, 1), run(9, 0), ticks(9, 0, 2), run(11, 0))
+        self.assertEqual([record.missing(number) for number in record.runs], [[(4, 6)], [(0, 2), (7, 7)], [], []])
+        self.assertEqual(record.problems, [f'{self.path}: ticks 4 to 6 of run 5 are missing',
+                                           f'{self.path}: ticks 0 to 2, 7 of run 7 are missing'])
+        self.assertEqual(list(record.frame('/stilt/ticks', run=5)['tick']), [0, 1, 2, 3, 7, 8, 9, 10, 11])
+        with self.assertRaisesRegex(stilt.RecordError, r'the runs in it are 5, 7, 9, 11; name one of them with run=$'):
+            record.missing()
+        many = self.record(run(5, 0), *(ticks(5, 2 * k, 1) for k in range(1, 9)))
+        self.assertEqual(many.problems, [f'{self.path}: ticks 0 to 1, 3, 5, 7, 9 and 3 more gaps of run 5 are missing'])
 
     def test_a_record_with_a_damaged_length_is_read_up_to_its_place(self):
         """Lengths beyond the end of the file, the memory and the address space."""
