@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
+#include <ctime>
 #include <limits>
 
 #include "firmware/configuration/configuration.h"
@@ -27,12 +29,27 @@ using robot_on_bus::RunOutcome;
 
 constexpr const char* kHanging = "the robot hangs on its gantry; on its own";
 constexpr const char* kReleased = "the robot is on its own";
+constexpr const char* kEnding =
+    "the robot goes on until its controller has ended, 30 s at most; a second Ctrl-C ends it now";
 constexpr double kEndless_s = std::numeric_limits<double>::infinity();
 
-std::atomic<bool> interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free);
+std::atomic<bool> end_asked = false, interrupted = false;
+std::atomic<std::int64_t> first_signal_ns = 0;
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free);
 
-void interrupt(int) { interrupted.store(true); }
+/// The first signal asks for the end, a second one makes it. One key press may arrive twice, from the
+/// terminal and from a wrapper: not that.
+void interrupt(int) {
+  constexpr std::int64_t kOnePress_ns = 300'000'000;
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);  // may be called in a handler
+  const std::int64_t now_ns = std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
+  std::int64_t first_ns = 0;
+  if (!first_signal_ns.compare_exchange_strong(first_ns, now_ns) && now_ns - first_ns > kOnePress_ns) {
+    interrupted.store(true);
+  }
+  end_asked.store(true);
+}
 
 /// Announces that the controller can start.
 void announce(const std::vector<std::string>& buses) {
@@ -41,7 +58,7 @@ void announce(const std::vector<std::string>& buses) {
   std::fprintf(stderr, "the robot hangs on its gantry, ready for a controller on %s\n", names.c_str());
 }
 
-/// SIGINT and SIGTERM end the run in order; its figures are still written.
+/// SIGINT and SIGTERM end the run in order, a controller first; its figures are still written.
 void catch_signals() {
   struct sigaction action{};
   action.sa_handler = interrupt;
@@ -131,6 +148,8 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
       describe_mistakes() +
       "Times of --push and --fault count from when the gantry has released the robot. Times of the results,\n"
       "report and log are on the clock of the controller that stood it up, as those that stiltd prints.\n"
+      "At Ctrl-C or SIGTERM it goes on until its controller has ended, 30 s at most: one Ctrl-C for both\n"
+      "sits it down. A second one, 0.3 s later or more, ends it at once.\n"
       "Exit status: 0 done, 1 the robot fell or never left the gantry, 2 bad usage.");
   return robot;
 }
@@ -159,9 +178,11 @@ int run_robot(const RobotOptions& options, const std::string& command_line) {
     run.duration_s = options.duration_s;
     run.once = options.once;
     run.stop = &interrupted;
+    run.stop_after_controller = &end_asked;
     if (serial) run.serial = [&serial](std::span<const std::uint8_t> bytes) { serial->write(bytes); };
     run.progress = [&](const RobotOnBus& watched) {
-      progress.change(watched.walk_time_s() ? kReleased : kHanging);
+      const char* phase = watched.walk_time_s() ? kReleased : kHanging;
+      progress.change(end_asked.load() ? kEnding : phase);
       progress.update(watched.walk_time_s().value_or(0.0));
     };
     std::optional<host_telemetry::SimulationPublisher> publisher;

@@ -82,7 +82,7 @@ TEST(TwoProcesses, AStoppedTerminalKeepsNoSignalFromCuttingTheMotors) {
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   run.controller().signal(SIGQUIT);
   std::this_thread::sleep_for(std::chrono::seconds(2));
-  run.robot().signal(SIGTERM);
+  run.end_robot();
   ASSERT_TRUE(run.robot().wait(kLongestRun_s));
   const configuration::Result shipped = configuration::load_robot("amber3m");
   ASSERT_TRUE(shipped);

@@ -311,7 +311,7 @@ TEST(TwoProcesses, NoSelfTestWorksBesideAControllerThatWalks) {
   EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 2);
   EXPECT_NE(text_of(run.file("second")).find("commands the drivers; end it first"), std::string::npos)
       << text_of(run.file("second"));
-  run.robot().signal(SIGINT);
+  run.end_robot();
   run.expect_both_to_end();
   EXPECT_EQ(run.robot_json().at("survived"), true) << run.said();
   EXPECT_EQ(run.controller_json().at("faults").at(0).at("name"), "bus_disconnected")

@@ -93,6 +93,35 @@ TEST(TwoProcesses, AControllerWhoseTerminalEndsSitsDownFirst) {
   EXPECT_TRUE(controller.at("faults").empty()) << controller.at("faults");
 }
 
+/// As a terminal sends it to all programs that it started, and as ros2 launch does.
+TEST(TwoProcesses, OneCtrlCForBothSitsTheRobotDown) {
+  RobotAndController run;
+  run.start_robot({"--lockstep"});
+  run.start_controller({"--lockstep", "--start", "walk@0.5"});
+  ASSERT_TRUE(wait_for_text(run.file("controller.err"), " walk\n", kLongestRun_s)) << run.said();
+  run.robot().signal(SIGINT);
+  run.controller().signal(SIGINT);
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 0) << run.said();
+  EXPECT_EQ(run.robot().wait(0), 0) << run.said();
+  EXPECT_TRUE(run.controller_json().at("faults").empty()) << run.controller_json().at("faults");
+  const nlohmann::json robot = run.robot_json();
+  EXPECT_EQ(robot.at("ended"), "interrupted");
+  EXPECT_FALSE(robot.at("sat_down_s").is_null()) << run.said();
+  EXPECT_FALSE(any_enabled(robot));
+}
+
+TEST(TwoProcesses, ASecondCtrlCEndsTheRobotBesideItsController) {
+  RobotAndController run;
+  run.start_robot({});
+  run.start_controller({});
+  ASSERT_TRUE(wait_for_text(run.file("controller.err"), " s  idle", kLongestRun_s)) << run.said();
+  run.end_robot();
+  ASSERT_TRUE(run.robot().wait(kLongestRun_s)) << run.said();
+  EXPECT_EQ(run.robot_json().at("ended"), "interrupted");
+  EXPECT_LT(run.robot_json().at("ended_s"), 20.0) << "after the first it would have gone on for 30 s";
+}
+
 /// A program that the kernel stops would leave its motors with torque.
 TEST(TwoProcesses, TheKeysBesideCtrlCDoNotStopTheTorqueLoop) {
   for (const auto& [key, last_state] : {std::pair(SIGTSTP, "ready"), {SIGQUIT, "stand"}}) {

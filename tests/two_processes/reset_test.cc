@@ -3,7 +3,6 @@
 // lock-step; the gantry lifts the robot after its fall, as a person would.
 #include <gtest/gtest.h>
 
-#include <csignal>
 #include <string_view>
 
 #include "firmware/supervisor/fallback.h"
@@ -128,7 +127,7 @@ class ResetWhileItRuns : public testing::TestWithParam<Case> {
     ASSERT_TRUE(host_.until([&] { return host_.latched != 0; })) << run_.said();
     EXPECT_EQ(host_.latched, refusal);
     EXPECT_NE(run_.said().find("cannot be brought up: its offset is void"), std::string::npos) << run_.said();
-    run_.robot().signal(SIGINT);
+    run_.end_robot();
     run_.expect_both_to_end();
   }
 
@@ -179,7 +178,7 @@ TEST_P(ResetWhileItRuns, StandsAndWalksAgainOrIsRefused) {
   if (HasFatalFailure()) return;
   EXPECT_EQ(host_.latched, 0u);
   const double end_s = host_.time_s;
-  run_.robot().signal(SIGINT);  // the robot ends first, and says whether it was free
+  run_.end_robot();  // the robot ends first, and says whether it was free
   run_.expect_both_to_end();
   EXPECT_EQ(run_.robot_json().at("gantry"), "off") << run_.said();
   expect_reactions(reset_s, end_s);

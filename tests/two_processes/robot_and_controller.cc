@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
+#include <thread>
 
 #include "tests/own_domain.h"
 
@@ -67,6 +70,12 @@ void RobotAndController::start_command(const std::vector<std::string>& command,
 void RobotAndController::start_report(const std::vector<std::string>& options) {
   controller_ = std::make_unique<Process>(words({STILTD_PROGRAM}, options), file("controller.out"),
                                           file("controller.err"));
+}
+
+void RobotAndController::end_robot() const {
+  robot_->signal(SIGINT);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // two signals are not one key press
+  robot_->signal(SIGINT);
 }
 
 void RobotAndController::expect_both_to_end() {

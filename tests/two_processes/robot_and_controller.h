@@ -36,6 +36,9 @@ class RobotAndController {
   [[nodiscard]] Process& robot() { return *robot_; }
   [[nodiscard]] Process& controller() { return *controller_; }
 
+  /// Ends the robot although a controller is connected, which its first signal waits for.
+  void end_robot() const;
+
   /// Waits for both and expects them to end in time: nothing hangs.
   void expect_both_to_end();
 

@@ -2,7 +2,6 @@
 // with pushes. In lock-step.
 #include <gtest/gtest.h>
 
-#include <csignal>
 #include <random>
 #include <string>
 
@@ -52,7 +51,7 @@ class Soak : public testing::Test {
     }
     if (HasFatalFailure()) return;
     EXPECT_EQ(host_.latched, 0u);
-    run_.robot().signal(SIGINT);
+    run_.end_robot();
     run_.expect_both_to_end();
     EXPECT_EQ(run_.robot_json().at("gantry"), "off") << run_.said();
     EXPECT_TRUE(run_.robot_json().at("survived")) << run_.said();

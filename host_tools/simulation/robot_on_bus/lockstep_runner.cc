@@ -13,6 +13,7 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::int64_t kLongestWait_ns = 50'000'000;  // interval of the checks of the stop flag
 constexpr double kAlone_s = 1.0;
+constexpr double kSilent_s = 1.0;  // without a turn on an interface of the kernel: the controller has left
 
 double seconds_since(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
@@ -25,6 +26,7 @@ class LockstepRun {
       : robot_(robot),
         buses_(buses),
         options_(options),
+        end_(options),
         ends_(robot, frame_buses(buses), log),
         exchange_(robot, ends_, options.tick_s,
                   [this](std::size_t bus) { return buses_[bus].connections(); }) {}
@@ -51,7 +53,7 @@ class LockstepRun {
     } else if (seconds_since(quiet_since_) > patience_s_) {
       give_up();
     }
-    if (const char* reason = reason_to_end(robot_, options_)) outcome_.ended = reason;
+    if (const char* reason = end_.reason(robot_, has_controller())) outcome_.ended = reason;
   }
 
   [[nodiscard]] bool is_controllers(std::size_t bus) const {
@@ -63,6 +65,12 @@ class LockstepRun {
     bool all_its = true;
     for (std::size_t bus = 0; bus < buses_.size(); ++bus) all_its = all_its && is_controllers(bus);
     return !all_connected(buses_) || !all_its;
+  }
+
+  /// An interface of the kernel shows a controller by its turns alone.
+  [[nodiscard]] bool has_controller() const {
+    if (buses_.front().is_loopback()) return any_connected(buses_);
+    return exchange_.tick() && seconds_since(quiet_since_) < kSilent_s;
   }
 
   /// Keeps connections and frames of a controller that has come in the meantime.
@@ -78,7 +86,9 @@ class LockstepRun {
   /// Until watchdogs have expired.
   void go_on_alone() {
     const auto ticks = static_cast<int>(kAlone_s / options_.tick_s);
-    for (int i = 0; i < ticks && reason_to_end(robot_, options_) == nullptr; ++i) exchange_.advance_alone();
+    for (int i = 0; i < ticks && end_.reason(robot_, has_controller()) == nullptr; ++i) {
+      exchange_.advance_alone();
+    }
     quiet_since_ = SteadyClock::now();
     patience_s_ = options_.next_wait_s;
   }
@@ -92,6 +102,7 @@ class LockstepRun {
   RobotOnBus& robot_;
   std::vector<RobotBus>& buses_;
   const RunOptions& options_;
+  RunEnd end_;
   BusEnds ends_;
   LockstepExchange exchange_;
   ProgressTicks progress_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "hal/robot/clock.h"
 #include "host_tools/simulation/robot_on_bus/run_end.h"
@@ -11,8 +12,9 @@ namespace stilt::robot_on_bus {
 namespace {
 
 constexpr std::int64_t kMostBehind_ns = 5'000'000;
-constexpr int kPriority = 90;    // above any controller: motor drivers do not wait for a processor
-constexpr double kLeft_s = 1.0;  // the robot's time after the controller has left, with --once
+constexpr int kPriority = 90;      // above any controller: motor drivers do not wait for a processor
+constexpr double kLeft_s = 1.0;    // the robot's time after the controller has left, with --once
+constexpr double kSilent_s = 1.0;  // without a frame on an interface of the kernel: the controller has left
 
 bool take_priority() {
   const sched_param parameters{.sched_priority = kPriority};
@@ -25,6 +27,7 @@ class RealtimeRun {
       : robot_(robot),
         buses_(buses),
         options_(options),
+        end_(options),
         ends_(robot, frame_buses(buses), log),
         step_ns_(std::llround(robot.time_step_s() * 1e9)),
         next_ns_(clock_.now_ns() + step_ns_) {}
@@ -50,6 +53,7 @@ class RealtimeRun {
       }
       const auto frames = ends_.receive(bus);
       note_arrival(!frames.empty());
+      if (!frames.empty()) last_frame_s_ = robot_.time_s();
       for (const hal::CanFrame& frame : frames) ends_.deliver(clock_.now_ns(), bus, frame);
     }
     ends_.send_outgoing(clock_.now_ns());
@@ -82,7 +86,7 @@ class RealtimeRun {
   }
 
   void look_for_end() {
-    if (const char* reason = reason_to_end(robot_, options_)) outcome_.ended = reason;
+    if (const char* reason = end_.reason(robot_, has_controller())) outcome_.ended = reason;
     if (any_connected(buses_)) {
       last_seen_s_ = robot_.time_s();
     } else if (options_.once && came() && robot_.time_s() - last_seen_s_ >= kLeft_s) {
@@ -94,14 +98,22 @@ class RealtimeRun {
   /// always connected.
   [[nodiscard]] bool came() const { return buses_.front().connections() > 0; }
 
+  /// An interface of the kernel shows a controller by its frames alone.
+  [[nodiscard]] bool has_controller() const {
+    if (buses_.front().is_loopback()) return any_connected(buses_);
+    return last_frame_s_ && robot_.time_s() - *last_frame_s_ < kSilent_s;
+  }
+
   RobotOnBus& robot_;
   std::vector<RobotBus>& buses_;
   const RunOptions& options_;
+  RunEnd end_;
   BusEnds ends_;
   hal::MonotonicClock clock_;
   std::int64_t step_ns_;
   std::int64_t next_ns_;
   double last_seen_s_ = 0.0;
+  std::optional<double> last_frame_s_;  ///< when the controller's newest frame came, on the robot's clock
   ProgressTicks progress_;
   RunOutcome outcome_;
 };

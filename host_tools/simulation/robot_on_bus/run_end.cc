@@ -7,10 +7,17 @@
 
 namespace stilt::robot_on_bus {
 
-const char* reason_to_end(const RobotOnBus& robot, const RunOptions& options) {
-  if (options.stop != nullptr && options.stop->load()) return "interrupted";
-  const bool over = options.duration_s && robot.walk_time_s().value_or(-1.0) >= *options.duration_s - 1e-9;
+const char* RunEnd::reason(const RobotOnBus& robot, bool has_controller) {
+  if (options_.stop != nullptr && options_.stop->load()) return "interrupted";
+  if (is_asked_to_end(robot, has_controller)) return "interrupted";
+  const bool over = options_.duration_s && robot.walk_time_s().value_or(-1.0) >= *options_.duration_s - 1e-9;
   return over ? "duration" : nullptr;
+}
+
+bool RunEnd::is_asked_to_end(const RobotOnBus& robot, bool has_controller) {
+  if (options_.stop_after_controller == nullptr || !options_.stop_after_controller->load()) return false;
+  if (!asked_s_) asked_s_ = robot.time_s();
+  return !has_controller || robot.time_s() - *asked_s_ >= options_.stop_wait_s;
 }
 
 bool all_connected(const std::vector<RobotBus>& buses) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "host_tools/simulation/robot_on_bus/robot_bus.h"
@@ -8,8 +9,22 @@
 /// Functions that both runners share.
 namespace stilt::robot_on_bus {
 
-/// Why the run is over; null while it is not.
-[[nodiscard]] const char* reason_to_end(const RobotOnBus& robot, const RunOptions& options);
+/// Looks for the end of a run.
+class RunEnd {
+ public:
+  /// @param options  must outlive this object
+  explicit RunEnd(const RunOptions& options) : options_(options) {}
+
+  /// Why the run is over; null while it is not.
+  [[nodiscard]] const char* reason(const RobotOnBus& robot, bool has_controller);
+
+ private:
+  /// Whether it is, and the run waits no longer for its controller to end.
+  [[nodiscard]] bool is_asked_to_end(const RobotOnBus& robot, bool has_controller);
+
+  const RunOptions& options_;
+  std::optional<double> asked_s_;
+};
 
 /// Whether a controller is connected to every bus.
 [[nodiscard]] bool all_connected(const std::vector<RobotBus>& buses);

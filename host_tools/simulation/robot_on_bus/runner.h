@@ -20,7 +20,10 @@ struct RunOptions {
   bool once = false;                 ///< whether the run ends when its controller has left
   double wait_s = 60.0;              ///< lock-step: longest wait for a controller, and for its turn
   double next_wait_s = 10.0;         ///< lock-step: longest wait for the next controller after one has left
-  const std::atomic<bool>* stop = nullptr;  ///< set by another thread to end the run
+  const std::atomic<bool>* stop = nullptr;  ///< set by another thread to end the run at once
+  /// Set by another thread to end the run once no controller is connected: it sits the robot down first.
+  const std::atomic<bool>* stop_after_controller = nullptr;
+  double stop_wait_s = 30.0;  ///< longest wait for that, of the robot's time
   /// About once per simulated second.
   std::function<void(const RobotOnBus& robot)> progress = [](const RobotOnBus&) {};
   /// Real time: receives the bytes of a torso sensor on a serial port.

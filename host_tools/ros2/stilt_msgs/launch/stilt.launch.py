@@ -3,7 +3,8 @@
     ros2 launch stilt_msgs stilt.launch.py simulated:=true
     ros2 launch stilt_msgs stilt.launch.py config:=/etc/stilt/stiltd.toml interface:=eth0
 
-At Ctrl-C the robot steps, stands and sits down before stiltd ends, so that launch waits for it longer than usual.
+At Ctrl-C the robot steps, stands and sits down before stiltd ends, so that launch waits for it longer than usual. The
+simulated robot goes on until stiltd has ended.
 """
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, RegisterEventHandler
