@@ -1,5 +1,6 @@
 #include "firmware/telemetry/ros_publisher.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <deque>
@@ -103,6 +104,15 @@ Status timing_status(const diagnostics::LoopStatistics& loop,
   return status;
 }
 
+/// The estimate has no place of the base without a foot on the ground, and no pitch before the first reading.
+bool has_base(const TickRecord& tick) {
+  const double* q = tick.estimated_state.data();
+  const double* v = q + model::kPositions;
+  const auto finite = [](double value) { return std::isfinite(value); };
+  return tick.stance_episode != 0 && std::all_of(q, q + model::kFirstJoint, finite) &&
+         std::all_of(v, v + model::kFirstJoint, finite);
+}
+
 Status driver_status(const hal::JointReading& joint, std::size_t index) {
   Status status{
       .level = kOk, .name = std::string("driver: ") + kJointNames[index], .message = "", .values = {}};
@@ -155,6 +165,7 @@ void RosPublisher::joint_states(const TickRecord& tick, const WallTime& time) {
 }
 
 void RosPublisher::odometry(const TickRecord& tick, const WallTime& time) {
+  if (!has_base(tick)) return;
   const double* q = tick.estimated_state.data();
   const double* v = q + model::kPositions;
   const double cosine = std::cos(q[2]);

@@ -14,7 +14,8 @@ namespace stilt::telemetry {
 ///
 /// odom: frame "odom", x forward, z up, origin where the robot got on its feet. Child "base", at the hip,
 /// turned by the pitch about +y. The twist is in the child's frame, as ROS 2 asks. Covariances are 0:
-/// unknown.
+/// unknown. None is sent while the robot is off its feet, or its estimate is not finite: the place of the
+/// base is unknown.
 class RosPublisher {
  public:
   [[nodiscard]] static std::expected<RosPublisher, std::string> open(const Participant& participant);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 
 #include "firmware/telemetry/ros_publisher.h"
@@ -94,6 +95,7 @@ class RosWire : public ::testing::Test {
     ASSERT_TRUE(opened.has_value()) << opened.error();
     publisher = std::move(*opened);
     tick.time_ns = 2'500'000'000;
+    tick.stance_episode = 1;
     tick.estimated_state = {1.5, 0.8, 0.1, 0, 0, 0, 0, 0.4, -0.05, 0.2, 0, 0, 0, 0};
     for (std::size_t i = 0; i < hal::kJoints; ++i) {
       tick.joints[i].position_rad = 0.25 * static_cast<double>(i);
@@ -135,6 +137,21 @@ TEST_F(RosWire, odom_reads_as_an_odometry_with_the_twist_in_the_childs_frame) {
   EXPECT_NEAR(std::cos(0.1) * vx + std::sin(0.1) * vz, 0.4, 1e-15);
   EXPECT_NEAR(-std::sin(0.1) * vx + std::cos(0.1) * vz, -0.05, 1e-15);
   EXPECT_EQ(message.at("twist").at("twist").at("angular").at("y"), 0.2);
+}
+
+TEST_F(RosWire, odom_is_not_sent_while_the_place_of_the_base_is_unknown) {
+  control_loop::TickRecord off_its_feet = tick, unread = tick;
+  off_its_feet.stance_episode = 0;
+  off_its_feet.estimated_state[0] = 0.0;
+  unread.estimated_state[0] = 9.0;
+  unread.estimated_state[2] = std::numeric_limits<double>::quiet_NaN();
+  const auto send = [&] {
+    for (const control_loop::TickRecord* one : {&tick, &off_its_feet, &unread}) {
+      publisher.odometry(*one, time);
+    }
+  };
+  const nlohmann::json newest = read_elsewhere(kOdometry.name, one_sample(*participant, kOdometry, send).cdr);
+  EXPECT_EQ(newest.at("pose").at("pose").at("position").at("x"), 1.5);
 }
 
 TEST_F(RosWire, diagnostics_read_as_a_diagnostic_array_that_names_the_fault) {
