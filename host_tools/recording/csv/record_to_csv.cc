@@ -68,9 +68,11 @@ class TickTables {
     for (const Run* run : in_order_) {
       if (!run->ticks.has_break()) continue;
       const std::string table = std::filesystem::path(run->path).filename().string();
-      written.problems.push_back(
-          std::string(record).append(": ").append(run->ticks.text()).append("; no rows for them in ") +
-          table);
+      written.problems.push_back(std::string(record)
+                                     .append(": ")
+                                     .append(run->ticks.text_of_breaks())
+                                     .append("; no rows for them in ") +
+                                 table);
     }
   }
 

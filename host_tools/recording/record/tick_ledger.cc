@@ -18,16 +18,23 @@ void TickLedger::add(std::uint64_t first, std::uint64_t count) {
   next_ = first + count;
 }
 
-std::string TickLedger::text() const {
+std::string TickLedger::text() const { return text(gaps_); }
+
+std::string TickLedger::text_of_breaks() const {
+  const bool begins_late = !gaps_.empty() && gaps_.front().first == 0;
+  return text(std::span(gaps_).subspan(begins_late ? 1 : 0));
+}
+
+std::string TickLedger::text(std::span<const Gap> gaps) const {
   if (empty()) return "no ticks";
   const std::uint64_t begin = gaps_.empty() || gaps_.front().first != 0 ? 0 : gaps_.front().end;
   std::string text = "ticks " + range(begin, next_) + ", ";
-  if (gaps_.empty()) return text + "none missing";
+  if (gaps.empty()) return text + "none missing";
   text += "missing: ";
-  for (std::size_t i = 0; i < gaps_.size() && i < kGapsNamed; ++i) {
-    text += (i > 0 ? ", " : "") + range(gaps_[i].first, gaps_[i].end);
+  for (std::size_t i = 0; i < gaps.size() && i < kGapsNamed; ++i) {
+    text += (i > 0 ? ", " : "") + range(gaps[i].first, gaps[i].end);
   }
-  if (gaps_.size() > kGapsNamed) text += " and " + std::to_string(gaps_.size() - kGapsNamed) + " more gaps";
+  if (gaps.size() > kGapsNamed) text += " and " + std::to_string(gaps.size() - kGapsNamed) + " more gaps";
   return text;
 }
 

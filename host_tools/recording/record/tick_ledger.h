@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,12 @@ class TickLedger {
 
   /// One sentence: "ticks 0 to 63999, none missing", "..., missing: 0 to 99, 500".
   [[nodiscard]] std::string text() const;
+  /// The same without what is missing before the first tick.
+  [[nodiscard]] std::string text_of_breaks() const;
 
  private:
+  [[nodiscard]] std::string text(std::span<const Gap> gaps) const;
+
   std::uint64_t next_ = 0;
   std::uint64_t count_ = 0;
   std::vector<Gap> gaps_;

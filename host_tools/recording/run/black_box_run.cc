@@ -206,7 +206,7 @@ RecordRun run_of_ticks(const std::string& path, const model::RobotConstants& rob
     throw std::runtime_error(path + ": holds no tick; name a file of stiltd --black-box");
   }
   if (longest->ledger().has_break()) {
-    result.problems.push_back(path + ": " + longest->ledger().text() + kBreakInPlots);
+    result.problems.push_back(path + ": " + longest->ledger().text_of_breaks() + kBreakInPlots);
   }
   result.run = longest->finish();
   result.run.robot.name = robot.name;

@@ -117,7 +117,7 @@ TEST_F(GaitCommand, AGaitThatIsTooRoughForTheSearchIsSaidToBe) {
     urdf.replace(at, inertia.size(), "<rotorInertia>6e-6</rotorInertia>");  // 0.05 kg m^2 at the joint
   }
   std::ofstream(file("mine.urdf")) << urdf;
-  const std::string robot = "--robot " + file("mine.urdf") + " --out " + file("mine.toml");
+  const std::string robot = "--robot " + file("mine.urdf") + " --out " + file("gait.toml");
   const Outcome rough = run("synthesize --speed 0.2 " + robot);
   EXPECT_EQ(rough.status, 1);
   EXPECT_NE(rough.errors.find("stilt: accuracy of this search, no limits of yours: periodicity"),
