@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -155,7 +156,11 @@ TEST(Fallback, ALostPlannerEndsSitting) {
   for (const Change& change : seen) {
     if (states.empty() || states.back() != change.state) states.push_back(change.state);
   }
-  EXPECT_EQ(states, (std::vector{State::walk, State::step, State::stand, State::sit}));
+  // Out of a step, without a plan to balance it: it tips over while it sits, and that is a fall.
+  EXPECT_EQ(states, (std::vector{State::walk, State::step, State::stand, State::sit, State::fault}));
+  const auto first = [&seen](State state) { return *std::ranges::find(seen, state, &Change::state); };
+  EXPECT_GT(first(State::fault).tick, first(State::sit).tick + 500) << "it falls slowly";
+  EXPECT_TRUE(supervisor::FaultSet(first(State::fault).faults).has(supervisor::Fault::base_pitch_limit));
 }
 
 /// The planner's steps take another time than the gait's 0.3 s. After a minute of the gait, and at any time
