@@ -125,6 +125,13 @@ class DocumentReader {
     }
   }
 
+  [[nodiscard]] double gear_ratio(const XMLElement& e, const std::string& name) const {
+    const double ratio = number(e, name);
+    const std::string element = std::string("<").append(e.Name()).append(">");
+    if (!(ratio > 0.0)) fail(element + " of joint '" + name + "' must be above zero");
+    return ratio;
+  }
+
   /// The numbers of a transmission. The gear ratio has two spellings, that of ROS 1 and that of ros2_control,
   /// and two places: ros2_control writes it into <joint>.
   [[nodiscard]] Transmission drive(const XMLElement& joint, const XMLElement& actuator,
@@ -136,8 +143,7 @@ class DocumentReader {
         const std::string kind = e->Name();
         if (kind == "mechanicalReduction" || kind == "mechanical_reduction") {
           if (geared) fail("the transmission of joint '" + name + "' has two gear ratios; it may have one");
-          result.gear_ratio = number(*e, name);
-          if (!(result.gear_ratio > 0.0)) fail("<" + kind + "> of joint '" + name + "' must be above zero");
+          result.gear_ratio = gear_ratio(*e, name);
           geared = true;
         } else if (kind == "rotorInertia" && owner == &actuator) {
           result.rotor_inertia_kg_m2 = number(*e, name);

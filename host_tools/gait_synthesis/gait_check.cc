@@ -136,9 +136,14 @@ std::string unequal_legs(const model::RobotConstants& robot) {
   for (int j = 0; j < kLegJoints; ++j) {
     const char* what = differ(j) ? "armature" : differ(kJoints + j) ? "damping" : nullptr;
     if (what == nullptr) continue;
-    const std::string joint = kNames[j];
-    return std::string(robot.name) + ": " + joint + "_L and " + joint + "_R have different " + what +
-           "; gaits are for robots with equal legs";
+    return std::string(robot.name)
+        .append(": ")
+        .append(kNames[j])
+        .append("_L and ")
+        .append(kNames[j])
+        .append("_R have different ")
+        .append(what)
+        .append("; gaits are for robots with equal legs");
   }
   return "";
 }
