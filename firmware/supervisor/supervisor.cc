@@ -188,7 +188,7 @@ void Supervisor::refuse_steps(const Request& request) noexcept {
   if (steps && !may_walk(parameters_)) void_number_ = std::max(void_number_, request.number);
 }
 
-/// Nothing stands up by itself minutes after it was asked for, nor when nobody is in command any more.
+/// Nothing stands up by itself minutes after it was asked for, nor after its commander fell silent.
 void Supervisor::give_up_waiting_to_stand(const Request& request) noexcept {
   const bool waits = output_.state == State::ready && requested(RequestKind::stand, request);
   if (!waits || !output_.waits_to_stand) stand_asked_ns_ = now_ns_;

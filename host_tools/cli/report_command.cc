@@ -131,8 +131,8 @@ std::string default_out(const std::vector<std::string>& files) {
   return (first.parent_path() / (name + ".html")).string();
 }
 
-/// A page that nobody named replaces none: `--report walk.html` of a simulation has the name that walk.mcap
-/// gets.
+/// A page under the default name replaces none: `--report walk.html` of a simulation has the name that
+/// walk.mcap gets.
 void check_new(const std::string& out) {
   if (fs::exists(out)) throw UsageError(out + ": exists; name another with --out");
 }

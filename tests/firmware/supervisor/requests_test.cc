@@ -50,7 +50,7 @@ TEST_F(SupervisorTest, NothingStandsUpWhileTheProgramEnds) {
   EXPECT_EQ(run(parameters_.damped_before_off_s), State::off);
 }
 
-TEST_F(SupervisorTest, NothingStandsUpWhenNobodyIsInCommandAnyMore) {
+TEST_F(SupervisorTest, NothingStandsUpAfterItsCommanderFellSilent) {
   inputs_.seen.heartbeat_expected = true;
   ask_to_stand_where_it_cannot();
   EXPECT_TRUE(output().waits_to_stand);
@@ -61,7 +61,7 @@ TEST_F(SupervisorTest, NothingStandsUpWhenNobodyIsInCommandAnyMore) {
   inputs_.fit_to_stand = true;
   EXPECT_EQ(run(1.0), State::ready);
   inputs_.seen.heartbeat_age_s = 0;
-  EXPECT_EQ(run(1.0), State::ready) << "nor when somebody is again";
+  EXPECT_EQ(run(1.0), State::ready) << "nor when one is back";
   request(RequestKind::stand);
   EXPECT_EQ(tick(), State::stand);
 }
