@@ -90,8 +90,8 @@ test('the bar plays the record on from any time, and Home from its start', async
 test('a pause holds the record on every page', async () => {
   const other = await openPage(browser, url);
   await until('both pages', async () => (await shownTime(other)).length_s > 0 && (await shownTime()).length_s > 0);
-  await page.click('#record-start');
-  await other.keyboard.press('p');
+  await other.click('#record-start');
+  await other.keyboard.press('p');  // by the same page: requests of two pages have no order
   await until('a pause on both', async () => (await held()) && (await held(other)));
   const { at_s } = await shownTime(other);
   await page.waitForTimeout(700);
