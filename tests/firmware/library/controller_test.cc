@@ -218,15 +218,6 @@ TEST(OwnLoop, ATorsoSlowerThanTheTicksIsMissedOnceItsReadingIsDue) {
   EXPECT_EQ(fault_with_torso_every(8, {.settings = {"torso_sensor.rate_hz=200"}}), "missed_replies");
 }
 
-TEST(OwnLoop, APitchRateThatIsNotMeasuredIsAFault) {
-  Loop loop;
-  loop.begin_standing();
-  loop.run(0.5);
-  const Tick& silent =
-      loop.run(0.1, [](Measurements& measurements) { measurements.pitch_rate_rad_s = kNotMeasured; });
-  EXPECT_STRNE(silent.fault, "");
-}
-
 TEST(OwnLoop, APlanIsMadeOncePerTickAndOnlyOnTheFeet) {
   Loop loop;
   EXPECT_FALSE(loop.controller.plan()) << "before the first tick";
