@@ -176,7 +176,7 @@ bool FdcanusbBus::wanted(const CanFrame& frame) const noexcept {
 void FdcanusbBus::pass_on(const CanFrame& frame) noexcept {
   // A command that was answered before must not look unanswered where the reply is.
   link_->settled.store(session_.settled(), std::memory_order_release);
-  if (wanted(frame)) static_cast<void>(link_->arrivals.push({frame, connections_}));
+  if (wanted(frame)) static_cast<void>(link_->arrivals.push(frame));
 }
 
 /// Only into an empty output: what the port does not take must wait in the ring, where it is dropped once it

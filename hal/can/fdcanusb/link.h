@@ -17,16 +17,10 @@ struct Command {
   std::int64_t time_ns = 0;      ///< when it was handed over
 };
 
-/// A frame from the bus.
-struct Arrival {
-  CanFrame frame;
-  std::uint32_t connection = 0;  ///< that it came over
-};
-
 /// Between the torque loop and the thread of the serial port. Wait-free on both sides.
 struct Link {
   exchange::Ring<Command, 64> commands;
-  exchange::Ring<Arrival, 256> arrivals;
+  exchange::Ring<CanFrame, 256> arrivals;
 
   // Written by the thread of the port.
   std::atomic<std::uint32_t> connection{0};  ///< number of the one that works now; 0: none does

@@ -106,9 +106,9 @@ ReceiveResult LinkFrames::receive(std::span<CanFrame> frames) noexcept {
   if (!connected()) return {0, BusStatus::disconnected};
   const std::size_t room = std::min(frames.size(), kMaximumBatch);
   ReceiveResult result;
-  const Arrival* arrival = link_.arrivals.front();
+  const CanFrame* arrival = link_.arrivals.front();
   for (; arrival != nullptr && result.received < room; arrival = link_.arrivals.front()) {
-    if (arrival->connection == connection_) frames[result.received++] = arrival->frame;
+    frames[result.received++] = *arrival;
     link_.arrivals.pop();
   }
   counters_.received += result.received;

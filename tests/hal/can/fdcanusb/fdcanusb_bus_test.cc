@@ -146,11 +146,11 @@ TEST(FdcanusbLink, FramesOfAnEarlierConnectionDoNotArrive) {
   EXPECT_FALSE(frames.reconnect());
   link->connection = 1;
   ASSERT_TRUE(frames.reconnect());
-  ASSERT_TRUE(link->arrivals.push({classic_frame(1, 1), 1}));
+  ASSERT_TRUE(link->arrivals.push(classic_frame(1, 1)));
   link->connection = 2;
   EXPECT_EQ(frames.receive(received).status, BusStatus::disconnected);
   ASSERT_TRUE(frames.reconnect());
-  ASSERT_TRUE(link->arrivals.push({classic_frame(2, 1), 2}));
+  ASSERT_TRUE(link->arrivals.push(classic_frame(2, 1)));
   EXPECT_EQ(frames.receive(received).received, 1u);
   EXPECT_EQ(received[0].id, 2u);
   EXPECT_EQ(frames.counters().disconnections, 1u);
@@ -167,10 +167,10 @@ TEST(FdcanusbLink, WhatCameBeforeAResetIsNotNew) {
   EXPECT_EQ(frames.receive(received).status, BusStatus::disconnected);
   link->connection = 2;
   for (std::size_t i = 0; i < link->arrivals.capacity(); ++i)
-    ASSERT_TRUE(link->arrivals.push({classic_frame(1, 1), 2}));
+    ASSERT_TRUE(link->arrivals.push(classic_frame(1, 1)));
   ASSERT_TRUE(frames.reconnect());
   EXPECT_EQ(frames.receive(received).received, 0u);
-  ASSERT_TRUE(link->arrivals.push({classic_frame(2, 1), 2}));
+  ASSERT_TRUE(link->arrivals.push(classic_frame(2, 1)));
   ASSERT_EQ(frames.receive(received).received, 1u);
   EXPECT_EQ(received[0].id, 2u);
 }
