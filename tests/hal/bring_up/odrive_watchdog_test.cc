@@ -19,6 +19,7 @@ class ParameterOdrive final : public DriverAround<OdriveEmulator> {
  public:
   std::map<std::uint16_t, OdriveParameter> parameters{{kOtherNumber, {.bits = bits_of(2.5F)}},
                                                       {kOtherSwitch, {.bits = 0, .value_bytes = 1}}};
+  std::map<std::uint16_t, std::uint32_t> kept;  ///< what a write leaves there, whatever is written
   int writes = 0;
 
   explicit ParameterOdrive(const odrive::OdriveSettings& settings = odrive::documented_settings())
@@ -33,7 +34,8 @@ class ParameterOdrive final : public DriverAround<OdriveEmulator> {
     const auto found = parameters.find(request.endpoint);
     if (!asks || found == parameters.end()) return;
     if (request.write) {
-      found->second.bits = request.bits;
+      const auto keeps = kept.find(request.endpoint);
+      found->second.bits = keeps == kept.end() ? request.bits : keeps->second;
       return;
     }
     CanFrame answer;
@@ -86,6 +88,44 @@ TEST_F(OdriveWatchdog, OneOfBothThatIsAnotherParameterIsRefusedAndKeepsItsValue)
   ParameterOdrive switch_alone;  // its time is 0, so that it never stays in closed loop
   EXPECT_EQ(end(switch_alone, with(kOtherNumber, kEndpoints.enable_watchdog)).failure, Failure::driver_fault);
   EXPECT_EQ(switch_alone.bits(kOtherNumber), bits_of(2.5F));
+}
+
+/// A watchdog of another time, and one that stays off. Nothing else would show them before the joint is on.
+TEST_F(OdriveWatchdog, WhatReadsBackDifferentlyIsRefusedBeforeItIsEnabled) {
+  const std::pair<std::uint16_t, std::uint32_t> wrong[] = {
+      {kOtherNumber, bits_of(static_cast<float>(options_.watchdog_s) + 1e-3F)}, {kOtherSwitch, 0}};
+  for (const auto& [endpoint, bits] : wrong) {
+    mock::MockBus bus(clock_);
+    ParameterOdrive driver;
+    driver.kept[endpoint] = bits;
+    bus.attach(driver);
+    OdriveBringUp bring_up({3, with(kOtherNumber, kOtherSwitch)}, options_);
+    StepResult result;
+    for (int tick = 0; tick < 2000 && result.stage < Stage::ready; ++tick) {
+      result = run(bring_up, bus, clock_, 1);
+      ASSERT_FALSE(driver.enabled()) << endpoint;
+    }
+    expect_refused(result);
+  }
+}
+
+TEST_F(OdriveWatchdog, ErrorsAreClearedAgainWhereTheFirstTimeWasLost) {
+  OdriveEmulator driver = odrive::make_emulator({3, kEndpoints});
+  mock::MockBus bus(clock_);
+  bus.attach(driver);
+  driver.raise(DriverFault::over_voltage);
+  OdriveBringUp bring_up({3, kEndpoints}, options_);
+  StepResult result;
+  int lost = 0;
+  for (int tick = 0; tick < 4000 && result.stage < Stage::ready; ++tick) {
+    result = run(bring_up, bus, clock_, 1);
+    odrive::OdriveCommand command{};
+    const bool clears = result.send && decode_command(3, result.frame, command) == DecodeStatus::ok &&
+                        command == odrive::OdriveCommand::clear_errors;
+    if (clears && lost++ == 0) driver.raise(DriverFault::over_voltage);
+  }
+  EXPECT_EQ(result.stage, Stage::ready) << name(result.failure);
+  EXPECT_GT(lost, 1);
 }
 
 TEST_F(OdriveWatchdog, OtherParametersKeepTheirValuesWhereSomethingElseIsRefused) {
