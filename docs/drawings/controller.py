@@ -111,7 +111,7 @@ def levels(d, c):
            'the plan allow. kp in Nm/rad, kd in Nm s/rad.', 12)
     rows = (('plan', svg.GREEN, ('plan newer', f'than {older}'), ('torque law of', 'the plan; feedback', f'from {feedback} on')),
             ('plan_feedback', svg.GREEN, (f'plan of {older}', f'to {stale}'), ('torque law of', 'the plan, all of', 'its feedback')),
-            ('gait', svg.BLUE, ('no plan below', f'{stale}, from the', 'next touch-down on'),
+            ('gait', svg.BLUE, ('no plan below', f'{stale}, from the', 'next touch-down'),
              ('joint PD on the', f'gait, kp {tracker["joint_kp_Nm_rad"]:g},', f'kd {tracker["joint_kd_Nms_rad"]:g}')),
             ('hold', svg.ORANGE, (f'{s["missed_hold_ticks"]} missed replies', 'in a row'),
              ('measured pose,', f'kp {s["hold_kp_Nm_rad"]:g}, kd {s["hold_kd_Nms_rad"]:g}', 'in the driver')),

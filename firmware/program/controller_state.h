@@ -72,7 +72,7 @@ void publish(ControllerState& state, const LoopStatistics& loop, const PlannerSt
 /// Publishes what is left, after the last tick.
 void flush_telemetry(ControllerState& state);
 
-/// After a run that nobody stopped: whether --start got where it was asked to go. Else the outcome has an
+/// After a run that was not stopped: whether --start got where it was asked to go. Else the outcome has an
 /// error.
 void check_goal(const Options& options, const ControllerState& state, Outcome& outcome);
 

@@ -28,9 +28,9 @@ TEST(PublishedFriction, HasTheConditionsOfTheExperiment) {
       {"controller", "horizon_s", "friction_Nm", "duration_s", "plan_rate_hz", "plan_delay_s"});
 }
 
-class Friction : public ::testing::TestWithParam<Json> {};
+class JointError : public ::testing::TestWithParam<Json> {};
 
-TEST_P(Friction, CompensationOfFiveNewtonMetresLeavesTheJointErrorOfJointsWithout) {
+TEST_P(JointError, IsThePublishedOneAndUpTo100PlansPerSecondCompensationLeavesThatOfJointsWithout) {
   FrictionPlan plan = published_plan();
   plan.rates = {{GetParam().at("plan_rate_hz"), GetParam().at("plan_delay_s")}};
   const cli::ExperimentOptions options = published_options("friction");
@@ -49,7 +49,7 @@ TEST_P(Friction, CompensationOfFiveNewtonMetresLeavesTheJointErrorOfJointsWithou
   EXPECT_LE(configured_rad, 1.1 * row.at("no_friction_rad").get<double>());
 }
 
-INSTANTIATE_TEST_SUITE_P(PlansPerSecond, Friction,
+INSTANTIATE_TEST_SUITE_P(PlansPerSecond, JointError,
                          ::testing::ValuesIn(results_of("friction").at("rows").get<std::vector<Json>>()),
                          [](const auto& test) {
                            return testing_support::test_name(test.param.at("plan_rate_hz").dump());

@@ -65,7 +65,7 @@ DenseStage dense(const LqStage& stage) {
   return out;
 }
 
-Matrix plain_terminal_hessian(const LqTerminal& terminal) { return read_columns(terminal.Q, kStates); }
+Matrix baseline_terminal_hessian(const LqTerminal& terminal) { return read_columns(terminal.Q, kStates); }
 
 Vector dense_state(const double* padded) { return Eigen::Map<const Vector>(padded, kStates); }
 
@@ -173,7 +173,7 @@ KktResidual kkt_residual(const LqProblem& problem, const LqSolution& solution) {
   };
   const int last = problem.count();
   worst.dynamics = relative({state(0), -dense_state(problem.x0)});
-  worst.state = relative({plain_terminal_hessian(problem.terminal) * state(last),
+  worst.state = relative({baseline_terminal_hessian(problem.terminal) * state(last),
                           dense_state(problem.terminal.q), -costate(last)});
   for (int k = 0; k < last; ++k) {
     const DenseStage s = dense(problem.stages[k]);
@@ -216,7 +216,7 @@ Vector dense_kkt_solution(const LqProblem& problem) {
     at += m + kStates;
   }
   kkt.block(variables - kStates, variables - kStates, kStates, kStates) =
-      plain_terminal_hessian(problem.terminal);
+      baseline_terminal_hessian(problem.terminal);
   right.segment(variables - kStates, kStates) = -dense_state(problem.terminal.q);
   kkt.topRightCorner(variables, equations) = kkt.bottomLeftCorner(equations, variables).transpose().eval();
   return kkt.partialPivLu().solve(right).head(variables);

@@ -48,7 +48,7 @@ struct DenseStage {
   Vector b, q, r;
 };
 [[nodiscard]] DenseStage dense(const LqStage& stage);
-[[nodiscard]] Matrix plain_terminal_hessian(const LqTerminal& terminal);
+[[nodiscard]] Matrix baseline_terminal_hessian(const LqTerminal& terminal);
 [[nodiscard]] Vector dense_state(const double* padded);
 
 /// What the sweep has kernels for.

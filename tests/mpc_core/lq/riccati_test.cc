@@ -188,7 +188,7 @@ TEST(Riccati, TheStepIsADescentDirectionWhoseSlopeMatchesDifferences) {
     curvature += x.dot(s.Q * x) + w.dot(s.R * w) + 2.0 * w.dot(s.S * x);
   }
   const Vector last = dense_state(solution.steps.back().x);
-  curvature += last.dot(plain_terminal_hessian(problem.terminal) * last);
+  curvature += last.dot(baseline_terminal_hessian(problem.terminal) * last);
   EXPECT_LT(slope, 0.0);
   EXPECT_NEAR(slope, -curvature, 1e-9 * curvature);
 }

@@ -22,7 +22,7 @@ BarrierSlope slope(const BarrierParameters& p, double h) {
 }
 
 /// The formula of the header in the standard library's logarithm.
-double plain_barrier(const BarrierParameters& p, double h) {
+double baseline_barrier(const BarrierParameters& p, double h) {
   if (h > p.width) return -p.weight * std::log(h);
   return p.weight * (-std::log(p.width) + 0.5 * std::pow((h - 2.0 * p.width) / p.width, 2) - 0.5);
 }
@@ -69,7 +69,7 @@ TEST(Logarithm, TreatsEveryLaneOnItsOwn) {
 TEST(Barrier, IsTheLogarithmAboveDeltaAndTheQuadraticBelow) {
   for (const BarrierParameters& p : kBarriers) {
     for (double h = -20.0 * p.width; h < 50.0 * p.width; h += 0.37 * p.width) {
-      const double expected = plain_barrier(p, h);
+      const double expected = baseline_barrier(p, h);
       EXPECT_NEAR(barrier(p, h), expected, 1e-13 * (p.weight + std::abs(expected)))
           << "width " << p.width << " h " << h;
     }
@@ -127,8 +127,8 @@ TEST(Barrier, SumOfSixteenIsTheSumOfEach) {
       });
       sum.add(h);
       for (int lane = 0; lane < model::kLanes; ++lane) {
-        expected[lane] += plain_barrier(p, h[lane]);
-        scale += std::abs(plain_barrier(p, h[lane]));
+        expected[lane] += baseline_barrier(p, h[lane]);
+        scale += std::abs(baseline_barrier(p, h[lane]));
       }
     }
     const Batch value = sum.value();
