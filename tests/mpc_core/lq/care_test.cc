@@ -139,6 +139,20 @@ TEST(Care, DoubleIntegratorsHaveTheirClosedFormSolution) {
   }
 }
 
+/// A is the first shift, the square root of the Hamiltonian's norm, on half of its diagonal: A - gamma I has no
+/// inverse.
+TEST(Care, AnEigenvalueAtTheFirstShiftIsNoObstacle) {
+  constexpr double kEigenvalue = 6.0;
+  constexpr int kHalf = kN / 2;
+  CareProblem problem{-StateMatrix::Identity(), InputMatrix::Zero(), StateMatrix::Identity(),
+                      InputWeight::Identity()};
+  problem.A.diagonal().head<kHalf>().setConstant(kEigenvalue);
+  const double rest = std::pow(kEigenvalue, 4) - 2.0 * problem.A.squaredNorm() - problem.Q.squaredNorm();
+  ASSERT_GT(rest, 0.0);
+  for (int i = 0; i < kHalf; ++i) problem.B(i, i) = std::pow(rest / kHalf, 0.25);
+  expect_good(problem);
+}
+
 TEST(Care, AWeightWithoutWeightOnStableModesIsFine) {
   CareProblem problem = random_problem(11);
   problem.A.diagonal().array() -= 20.0;
