@@ -139,8 +139,8 @@ TEST(Care, DoubleIntegratorsHaveTheirClosedFormSolution) {
   }
 }
 
-/// A is the first shift, the square root of the Hamiltonian's norm, on half of its diagonal: A - gamma I has no
-/// inverse.
+/// A is the first shift, the square root of the Hamiltonian's norm, on half of its diagonal: A - gamma I has
+/// no inverse.
 TEST(Care, AnEigenvalueAtTheFirstShiftIsNoObstacle) {
   constexpr double kEigenvalue = 6.0;
   constexpr int kHalf = kN / 2;
