@@ -159,8 +159,8 @@ std::string robustness_page(const Json& merged, const std::vector<Json>& results
 std::string commands_text(const std::vector<Json>& results) {
   std::string lines;
   for (const Json& one : results) {
-    lines += "run " + cell(one.at("run"), "%.0f") + ", " + outcome_text(one) + ": " +
-             one.at("command").get<std::string>() + "\n";
+    lines += one.at("command").get<std::string>() + "  # run " + cell(one.at("run"), "%.0f") + ", " +
+             outcome_text(one) + "\n";
   }
   return lines;
 }

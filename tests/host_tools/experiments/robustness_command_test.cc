@@ -48,6 +48,8 @@ TEST_F(RobustnessCommand, GivesTheFieldsOfItsContractAndItsPages) {
   }
   const std::string commands = text("results", "commands.txt");
   EXPECT_EQ(std::ranges::count(commands, '\n'), 4);
+  EXPECT_EQ(commands.find("stilt sim "), 0u) << "a script: what a run came to is a comment behind it";
+  EXPECT_NE(commands.find("  # run 3, "), std::string::npos) << commands;
   EXPECT_NE(outcome.output.find(" of 4 random robots stay on their feet"), std::string::npos);
 }
 
