@@ -69,30 +69,33 @@ endif()
 file(READ README.md readme)
 string(REPLACE "[LICENSE](LICENSE)" "[copyright](copyright)" readme "${readme}")
 file(WRITE ${made}/README.md "${readme}")
+function(install_documents package)
+  set(documents share/doc/${package})
+  set(options COMPONENT ${ARGN})
+  install(DIRECTORY docs DESTINATION ${documents} ${options} PATTERN *.py EXCLUDE)
+  install(FILES ${made}/README.md CONTRIBUTING.md CHANGELOG.md DESTINATION ${documents} ${options})
+  install(FILES host_tools/python/examples/plot_run.py host_tools/python/examples/compare_runs.py
+    host_tools/python/examples/walk_ten_seconds.py
+    DESTINATION ${documents}/host_tools/python/examples ${options})
+  install(FILES hal/README.md DESTINATION ${documents}/hal ${options})
+  install(FILES firmware/telemetry/README.md firmware/telemetry/stilt_msgs.idl firmware/telemetry/ros2.idl
+    DESTINATION ${documents}/firmware/telemetry ${options})
+  install(FILES firmware/configuration/amber3m.toml DESTINATION ${documents}/firmware/configuration ${options})
+  install(FILES ${made}/copyright ${made}/${package}/changelog.gz DESTINATION ${documents} ${options})
+endfunction()
+
 foreach(component_package ${component_packages})
   string(REPLACE ":" ";" pair ${component_package})
   list(GET pair 0 component)
   list(GET pair 1 package)
-  set(documents share/doc/${package})
-  install(DIRECTORY docs DESTINATION ${documents} COMPONENT ${component} PATTERN *.py EXCLUDE)
-  install(FILES ${made}/README.md CONTRIBUTING.md CHANGELOG.md DESTINATION ${documents} COMPONENT ${component})
-  install(FILES host_tools/python/examples/plot_run.py host_tools/python/examples/compare_runs.py
-    host_tools/python/examples/walk_ten_seconds.py
-    DESTINATION ${documents}/host_tools/python/examples COMPONENT ${component})
-  install(FILES hal/README.md DESTINATION ${documents}/hal COMPONENT ${component})
-  install(FILES firmware/telemetry/README.md firmware/telemetry/stilt_msgs.idl firmware/telemetry/ros2.idl
-    DESTINATION ${documents}/firmware/telemetry COMPONENT ${component})
-  install(FILES firmware/configuration/amber3m.toml DESTINATION ${documents}/firmware/configuration
-    COMPONENT ${component})
-  install(FILES ${made}/copyright ${made}/${package}/changelog.gz DESTINATION ${documents} COMPONENT ${component})
+  install_documents(${package} ${component})
   install(FILES ${made}/${package}/${package}.1.gz DESTINATION share/man/man1 COMPONENT ${component})
   install(FILES ${packaging}/stilt.bash-completion DESTINATION share/bash-completion/completions RENAME ${package}
     COMPONENT ${component})
 endforeach()
 
 if(TARGET stilt_library)
-  install(FILES ${made}/copyright ${made}/libstilt-dev/changelog.gz CHANGELOG.md docs/library.md
-    DESTINATION share/doc/libstilt-dev COMPONENT library EXCLUDE_FROM_ALL)
+  install_documents(libstilt-dev library EXCLUDE_FROM_ALL)
 endif()
 
 set(CPACK_GENERATOR DEB)
@@ -127,9 +130,10 @@ set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_EXTRA
   ${made}/conffiles ${packaging}/postinst ${packaging}/prerm ${packaging}/postrm)
 set(CPACK_DEBIAN_ROBOT_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_HOST_PACKAGE_NAME stilt)
-# The Python package in it; its modules are needed by who uses it alone.
+# The Python package in it; its modules are needed by who uses it alone, openssl by make_security.
 set(CPACK_DEBIAN_HOST_PACKAGE_DEPENDS "python3")
-set(CPACK_DEBIAN_HOST_PACKAGE_RECOMMENDS "python3-numpy, python3-pandas, python3-zstandard, python3-websocket")
+set(CPACK_DEBIAN_HOST_PACKAGE_RECOMMENDS
+  "openssl, python3-numpy, python3-pandas, python3-zstandard, python3-websocket")
 set(CPACK_DEBIAN_HOST_PACKAGE_SUGGESTS "python3-lz4, python3-matplotlib")
 set(CPACK_DEBIAN_HOST_PACKAGE_CONTROL_EXTRA ${packaging}/host/postinst ${packaging}/host/prerm)
 set(CPACK_DEBIAN_HOST_PACKAGE_CONTROL_STRICT_PERMISSION ON)
