@@ -54,10 +54,14 @@ def plot(record: stilt.Record, run: int | None = None) -> plt.Figure:
     return figure
 
 
+def number(text: str) -> int:
+    return int(text, 0)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description='Plots a run.')
     parser.add_argument('record')
-    parser.add_argument('--run', type=int, help='number of the run, for a record of several')
+    parser.add_argument('--run', type=number, help='number of the run, for a record of several; 0x and what stilt prints')
     parser.add_argument('--out', help='png, svg or pdf; without it a window opens')
     words = parser.parse_args()
     try:
