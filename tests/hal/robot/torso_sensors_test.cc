@@ -51,6 +51,8 @@ class EncoderRig {
   void run(int ticks) {
     for (int i = 0; i < ticks; ++i) tick();
   }
+  /// A frame of another sender, on the bus of the channels.
+  void send(const CanFrame& frame) { robot_.buses_[0].script(frame, robot_.clock_.now_ns()); }
   void set_pitch(double pitch_rad) {
     const double turns = wiring_.pitch_direction * wiring_.pitch_ratio;
     emulator_->set_motion(turns * (pitch_rad - wiring_.pitch_offset_rad), 0);
@@ -105,6 +107,13 @@ TEST(TorsoSensors, AChannelBesideAnEncoderIsNotThePitch) {
   EncoderRig rig;  // its wiring has a pitch channel, too
   rig.set_pitch(0.1);
   rig.run(150);
+  rig.connected = false;
+  rig.run(2);
+  CanFrame frame = classic_frame(0x50, 4);
+  frame.data = {0xf4, 0x01, 0x01, 0x00};  // 0.5 rad, emergency stop released
+  rig.send(frame);
+  rig.run(1);
+  EXPECT_EQ(rig.readings.emergency_stop, EmergencyStopState::released) << "the frame came";
   EXPECT_NEAR(rig.readings.base.pitch_rad, 0.1, 1e-4);
 }
 
