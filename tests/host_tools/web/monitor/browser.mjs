@@ -7,7 +7,7 @@ import { join } from 'node:path';
 import { chromium } from 'playwright-core';
 
 /** Generous: the machine may be busy. Nothing waits so long when all is well. */
-export const kPatience_ms = 120_000;
+export const kPatience_ms = 1000 * Number(process.env.STILT_PATIENCE_S ?? 120);
 
 const kArguments = ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
   '--disable-background-networking', '--disable-component-update', '--disable-sync'];
