@@ -307,6 +307,10 @@ std::expected<gait::GaitCommand, std::string> parse_start(const std::string& tex
   if (gait == "walk") command.kind = gait::GaitKind::walk;
   if (gait == "step") command.kind = gait::GaitKind::step;
   const bool known = gait == "stand" || gait == "step" || gait == "walk";
+  if (known && has_speed && gait != "walk") {
+    return std::unexpected("--start " + text + ": a speed belongs to a walk; take --start " +
+                           std::string(gait) + ", or a walk such as walk@0.3");
+  }
   if (!known || (at != std::string::npos && !has_speed) || (gait == "walk" && !has_speed) ||
       !(std::abs(command.speed_m_s) <= kLargestSpeed_m_s)) {
     return std::unexpected(

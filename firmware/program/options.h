@@ -78,7 +78,7 @@ struct Options {
 /// was refused may name a robot that is not known yet: its JSON replaces JSON alone.
 [[nodiscard]] std::string file_conflict(const Options& options);
 
-/// GAIT@SPEED, or stand, step: the error says what would be right.
+/// stand, step or walk@SPEED: the error says what would be right.
 [[nodiscard]] std::expected<gait::GaitCommand, std::string> parse_start(const std::string& text);
 
 }  // namespace stilt::program

@@ -93,6 +93,16 @@ TEST(Options, StartSaysGaitAndSpeed) {
   }
 }
 
+TEST(Options, ASpeedOfAStandOrAStepIsRefused) {
+  for (const std::string gait : {"stand", "step"}) {
+    for (const std::string speed : {"0.3", "0", "-9"}) {
+      EXPECT_EQ(mistake({"--start", gait + "@" + speed}), "--start " + gait + "@" + speed +
+                                                              ": a speed belongs to a walk; take --start " +
+                                                              gait + ", or a walk such as walk@0.3");
+    }
+  }
+}
+
 TEST(Options, AnEmptyValueIsRefusedAndNoDefaultTakenInItsPlace) {
   for (const char* option :
        {"--config", "--robot", "--preset", "--set", "--bus", "--start", "--json", "--black-box"}) {

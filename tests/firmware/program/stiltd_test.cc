@@ -289,6 +289,7 @@ TEST(Stiltd, SaysWhatWasProbablyMeant) {
 
 TEST(Stiltd, RefusesWrongWords) {
   EXPECT_EQ(stiltd("--start fly@1").status, 2);
+  EXPECT_EQ(stiltd("--start stand@0.3").status, 2);
   EXPECT_EQ(stiltd("--config /nowhere.toml").status, 2);
   EXPECT_EQ(stiltd("--nonsense").status, 2);
 }
