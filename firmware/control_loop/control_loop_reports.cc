@@ -78,8 +78,10 @@ void ControlLoop::report_events(const supervisor::Observation& seen) noexcept {
     push({.kind = Event::Kind::fault, .fault = row.fault, .found = found});
   }
   if (decision.entered || ticks_ == 0) push({.kind = Event::Kind::state, .state = decision.state});
-  const bool stood_up = before_ == State::stand && decision.state == State::ready;
-  if (decision.entered && stood_up) push({.kind = Event::Kind::lost_stance, .pose = stance_miss_});
+  const bool gave_up = before_ == State::stand && decision.state == State::ready;
+  if (decision.entered && gave_up && !stance_miss_.none()) {  // else it was stopped while it stood up
+    push({.kind = Event::Kind::lost_stance, .pose = stance_miss_});
+  }
   before_ = decision.state;
   if (decision.state != State::off) last_state_ = decision.state;
   const bool waits = decision.state == State::ready && decision.waits_to_stand;

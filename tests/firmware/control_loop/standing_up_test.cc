@@ -172,6 +172,25 @@ TEST_F(StandingUpTest, LeavingTheStandingPoseEndsDampedAndIsReported) {
   EXPECT_TRUE(rig->decision().latched.empty());
 }
 
+TEST_F(StandingUpTest, AStopWhileItStandsUpIsNoLossOfThePose) {
+  for (const RequestKind kind : {RequestKind::sit, RequestKind::off, RequestKind::none}) {
+    SCOPED_TRACE(static_cast<int>(kind));
+    rig = std::make_unique<Rig>();
+    rig->get_ready();
+    rig->ask(RequestKind::stand);
+    rig->run(100);
+    ASSERT_EQ(rig->state(), State::stand);
+    if (kind == RequestKind::none) {
+      rig->command.shut_down = true;
+    } else {
+      rig->ask(kind);
+    }
+    rig->run(2);
+    EXPECT_EQ(rig->state(), State::ready);
+    EXPECT_TRUE(rig->take(Event::Kind::lost_stance).empty());
+  }
+}
+
 TEST_F(StandingUpTest, APlanFromBeforeTheLastFallIsNotFollowed) {
   rig->stand();
   rig->fall_and_get_ready();
