@@ -20,7 +20,7 @@ struct Event {
     waits_for_pose,   ///< to stand up was asked for, and the robot is not in a pose for that: `pose`
     bring_up_failed,  ///< of a driver: `bring_up`
     lost_stance,      ///< while it stood up the robot left the standing pose: `pose`
-    fault_over,       ///< the cause of a fault is gone, or not looked for any more: `fault`
+    fault_over,       ///< the cause of a fault is looked for, and is gone: `fault`
     stopped_waiting   ///< for the standing pose, `pose`: to stand up has to be asked for again
   };
   Kind kind = Kind::state;

@@ -137,11 +137,12 @@ void Supervisor::find_faults(const SupervisorInputs& inputs) noexcept {
   heartbeat_lost_ = found.has(Fault::heartbeat_lost);
   found.add_if(command_not_finite_, Fault::not_finite);
   command_not_finite_ = false;
-  const FaultSet present = found & looked_for(inputs.seen);
+  const FaultSet looked = looked_for(inputs.seen);
+  const FaultSet present = found & looked;
   const bool stopped_now = present.has(Fault::emergency_stop) && !output_.latched.has(Fault::emergency_stop);
   if (stopped_now) stopped_ns_ = now_ns_;
   output_.raised = present - output_.present;
-  output_.ended = output_.present - present;
+  output_.ended = (output_.present - present) & looked;
   output_.present = present;
   output_.latched = output_.latched | (present & kLatching);
   output_.reaction = std::max(reaction(present), reaction(output_.latched));

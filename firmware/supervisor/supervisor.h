@@ -58,7 +58,7 @@ struct SupervisorOutput {
   Reaction reaction = Reaction::none;  ///< hardest of the present and the latched faults
   FaultSet present;                    ///< causes that are there in this tick
   FaultSet raised;                     ///< those of them that were not there a tick before
-  FaultSet ended;                      ///< those that were, and are not any more
+  FaultSet ended;                      ///< those that were, are looked for, and are not there any more
   FaultSet latched;                    ///< waiting for a reset
   double ramp = 0;                     ///< share of the torque law while it is blended in, 0 to 1
   gait::GaitCommand gait;              ///< for the planner

@@ -53,6 +53,31 @@ TEST_F(ControlLoopReports, TheEndOfAFaultIsAnEvent) {
   EXPECT_EQ(over[0].fault, Fault::emergency_stop);
 }
 
+TEST_F(ControlLoopReports, AFaultThatIsNotLookedForAnyMoreIsNotOver) {
+  rig->stand();
+  rig->joints.emergency_stop = hal::EmergencyStopState::pressed;
+  rig->joints.base.pitch_rad = 1.0;
+  rig->run(1);
+  ASSERT_EQ(rig->state(), State::fault);
+  ASSERT_TRUE(rig->decision().latched.has(Fault::base_pitch_limit));
+  static_cast<void>(rig->take(Event::Kind::fault_over));
+  rig->run(5);
+  EXPECT_FALSE(rig->decision().present.has(Fault::base_pitch_limit)) << "of standing and sitting alone";
+  EXPECT_TRUE(rig->take(Event::Kind::fault_over).empty());
+}
+
+TEST_F(ControlLoopReports, TheEndOfARunEndsNoFaultThatIsNotLookedForThen) {
+  rig->stand();
+  rig->joints.emergency_stop = hal::EmergencyStopState::pressed;
+  rig->joints.read_status = hal::JointBusStatus::disconnected;
+  rig->run(5);
+  static_cast<void>(rig->take(Event::Kind::fault_over));
+  rig->mail.stops.cut = true;
+  rig->run(5);
+  ASSERT_EQ(rig->state(), State::off);
+  EXPECT_TRUE(rig->take(Event::Kind::fault_over).empty()) << "stop and bus are as they were";
+}
+
 TEST_F(ControlLoopReports, AFlickeringWarningDisplacesNoStateInAFullRing) {
   rig->stand();
   for (int i = 0; i < 200; ++i) {

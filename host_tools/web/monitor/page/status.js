@@ -213,7 +213,7 @@ function clearing(fault) {
 
 /** `found`: joint or bus, driver, value and limit, in words; `toPlot`: button to its plot. Each may be missing, as `toml`. */
 function faultCard(fault, present, latched, found, toPlot, toml) {
-  const when = present ? 'happening now' : 'over; waits for Reset';
+  const when = present ? 'happening now' : 'waits for Reset';
   return element('article', { className: `fault ${latched ? 'latched' : fault.severity}` },
     element('h3', {}, `${fault.name} `, element('small', { textContent: `${fault.number} · ${when}` }), ...(toPlot ? [toPlot] : [])),
     element('p', {}, `Cause: ${fault.cause}.`),

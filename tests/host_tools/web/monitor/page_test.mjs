@@ -180,7 +180,7 @@ test('a fault says its cause, what the robot does and what clears it', async () 
   await page.keyboard.press('w');
   await answer(/walk: the robot is in state fault; it steps and walks from stand/);
   monitor.write('over joint_speed_limit');
-  await until('the cause gone', async () => /over; waits for Reset/.test(await text('.fault')));
+  await until('the cause gone', async () => /102 · waits for Reset/.test(await text('.fault')));
   await picture(page, 'fault');
   await page.keyboard.press('r');
   await until('none', async () => (await text('#fault-list')) === 'None.');
