@@ -103,8 +103,8 @@ inline constexpr std::array<FaultRow, kFaults> kFaultTable = {{
      "a bus is gone", "every bus is there"},
     {Fault::driver_fault, 401, "driver_fault", Severity::latched, Reaction::damp, Watch::driven,
      "a driver reports a fault", "no driver reports one"},
-    {Fault::driver_not_enabled, 402, "driver_not_enabled", Severity::latched, Reaction::damp, Watch::torque,
-     "a driver that should follow commands is idle", "the joints are damped, or the motors off"},
+    {Fault::driver_not_enabled, 402, "driver_not_enabled", Severity::latched, Reaction::damp, Watch::driven,
+     "a driver that should follow commands is idle", "every other cause is gone, since bring-up enables the driver"},
     {Fault::driver_hot, 403, "driver_hot", Severity::warning, Reaction::warn, Watch::driven,
      "a driver or motor is hot", "all are cooler"},
     {Fault::driver_overheated, 404, "driver_overheated", Severity::latched, Reaction::sit, Watch::driven,
@@ -202,6 +202,13 @@ class FaultSet {
   for (const FaultRow& fault : kFaultTable) set.add_if(fault.watch == watch, fault.fault);
   return set;
 }
+
+/// Those that no reset waits for: bring-up ends their cause.
+inline constexpr FaultSet kEndedByBringUp = [] {
+  FaultSet set;
+  set.add(Fault::driver_not_enabled);
+  return set;
+}();
 
 /// The hardest reaction that any of the faults asks for.
 [[nodiscard]] constexpr Reaction reaction(FaultSet faults) noexcept {

@@ -123,6 +123,8 @@ FaultSet Supervisor::looked_for(const Observation& seen) const noexcept {
   if (drives(output_.state) && drivers_are_ == DriversAre::brought_up) set = set | watched(Watch::driven);
   if (has_torque(output_.state)) set = set | watched(Watch::torque);
   if (tracks(output_.state)) set = set | watched(Watch::tracking);
+  const bool may_be_idle = output_.level == FallbackLevel::off || resetting_;
+  if (may_be_idle) set = set - kEndedByBringUp;
   if (1e-9 * static_cast<double>(seen.time_ns - driven_ns_) < parameters_.settle_s) set = set - kUnsettled;
   if (1e-9 * static_cast<double>(seen.time_ns - tracking_ns_) < parameters_.stale_plan_s) {
     FaultSet no_plan_yet;

@@ -114,7 +114,8 @@ std::string CommandArbiter::caveat(CommandKind kind, const RobotNow& now) const 
   }
   if (kind != CommandKind::reset && kind != CommandKind::off) return {};
   const double left_s = tenths(now.damping_left_s);
-  const std::string causes = kind == CommandKind::reset ? latching(now.present) : "";
+  const std::string causes =
+      kind == CommandKind::reset ? latching(now.present - supervisor::kEndedByBringUp) : "";
   if (!causes.empty()) {
     return causes + " is still there: this reset ends after " +
            number_text(left_s + rules_.supervisor.reset_window_s) + " s; reset again when that is over";

@@ -129,6 +129,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"TorqueLost", "torque-loss@4", "torque_mismatch", "damp", 400},
                     Expectation{"FrozenEncoder", "encoder-freeze@4.3", "encoder_frozen", "damp", 40},
                     Expectation{"PowerCycle", "power-cycle@4", "lost_replies", "damp", 12},
+                    Expectation{"PowerThatReturns", "power-cycle@4+0.1", "driver_not_enabled", "damp", 105},
                     Expectation{"LowVoltage", "low-voltage@4", "driver_fault", "damp", 2},
                     Expectation{"EmergencyStop", "emergency-stop@4", "emergency_stop", "damp", 2},
                     Expectation{"SilentTorsoSensor", "base-silent@4", "stale_torso_sensor", "damp", 12},

@@ -97,6 +97,55 @@ TEST_F(SupervisorTest, ALatchedFaultDampsUntilAResetWithTheCauseGone) {
   EXPECT_TRUE(output().latched.empty());
 }
 
+TEST_F(SupervisorTest, AnIdleDriverIsReportedWhileTheOthersAreDampedAndKeepsNoResetWaiting) {
+  bring_to_walk();
+  inputs_.seen.joints[2].state = hal::DriverState::idle;
+  ASSERT_EQ(tick(), State::fault);
+  for (double time_s = 0; time_s < parameters_.damped_before_off_s + 0.1; time_s += 1e-3) {
+    tick();
+    ASSERT_TRUE(output().present.has(Fault::driver_not_enabled)) << "its joint is limp: " << time_s;
+    ASSERT_TRUE(only_damps());
+  }
+  request(RequestKind::reset);
+  EXPECT_EQ(run(0.01), State::idle);
+  EXPECT_TRUE(output().latched.empty());
+}
+
+TEST_F(SupervisorTest, DriversThatComeBackIdleAfterALossOfPowerAreReportedInTheFault) {
+  bring_to_walk();
+  for (hal::JointReading& joint : inputs_.seen.joints) joint.missed_replies = 20;
+  ASSERT_EQ(tick(), State::fault);
+  EXPECT_FALSE(output().latched.has(Fault::driver_not_enabled));
+  for (hal::JointReading& joint : inputs_.seen.joints) {
+    joint.missed_replies = 0;
+    joint.state = hal::DriverState::idle;
+  }
+  tick();
+  EXPECT_TRUE(output().ended.has(Fault::lost_replies));
+  EXPECT_TRUE(output().raised.has(Fault::driver_not_enabled));
+}
+
+TEST_F(SupervisorTest, DriversAreRightlyIdleOnceTheMotorsAreOff) {
+  bring_to_walk();
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::pressed;
+  run(parameters_.damped_before_off_s + 0.1);
+  ASSERT_EQ(action_, Action::disable);
+  for (hal::JointReading& joint : inputs_.seen.joints) joint.state = hal::DriverState::idle;
+  inputs_.seen.joints[1].missed_replies = 5000;
+  inputs_.seen.emergency_stop = hal::EmergencyStopState::released;
+  run(0.1);
+  request(RequestKind::reset);
+  tick();
+  ASSERT_TRUE(only_damps()) << "those that are still enabled";
+  for (double time_s = 0; time_s < 2 * parameters_.reset_window_s; time_s += 1e-3) {
+    ASSERT_EQ(tick(), State::fault) << "one is silent";
+    ASSERT_FALSE(output().latched.has(Fault::driver_not_enabled)) << time_s;
+  }
+  inputs_.seen.joints[1].missed_replies = 0;
+  request(RequestKind::reset);
+  EXPECT_EQ(run(0.01), State::idle);
+}
+
 TEST_F(SupervisorTest, ARejectedResetDampsAllAlong) {
   bring_to_walk();
   inputs_.seen.joints[2].motor_temperature_C = 20;

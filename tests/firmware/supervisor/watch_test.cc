@@ -37,6 +37,7 @@ Expected expected(Fault fault) {
     case Fault::stale_torso_sensor:
     case Fault::lost_replies:
     case Fault::driver_fault:
+    case Fault::driver_not_enabled:
     case Fault::high_voltage:
     case Fault::torque_loop_stalled:
       return {Severity::latched, Reaction::damp, Watch::driven};
@@ -51,7 +52,6 @@ Expected expected(Fault fault) {
     case Fault::following_error:
     case Fault::encoder_jump:
     case Fault::torque_mismatch:
-    case Fault::driver_not_enabled:
     case Fault::base_pitch_limit:
       return {Severity::latched, Reaction::damp, Watch::torque};
     case Fault::encoder_frozen:
