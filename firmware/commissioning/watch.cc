@@ -1,5 +1,6 @@
 #include "firmware/commissioning/watch.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -32,15 +33,17 @@ std::string column(double value, int decimals) {
   return padded;
 }
 
+bool silent(const hal::JointReading& joint) { return joint.missed_replies > kSilentReads; }
+
 /// At most 80 characters, the state included.
 std::string joint_line(const char* name, const hal::JointReading& joint) {
   char head[16];
   std::snprintf(head, sizeof head, "%-8s", name);
-  const bool silent = joint.missed_replies > kSilentReads;
   return head + column(joint.position_rad, 3) + column(joint.position_rad * kDegrees, 1) +
          column(joint.velocity_rad_s, 2) + column(joint.torque_Nm, 1) +
          column(joint.driver_temperature_C, 0) + column(joint.motor_temperature_C, 0) +
-         column(joint.supply_V, 1) + "  " + (silent ? "SILENT" : diagnostics::state_text(joint.state)) + '\n';
+         column(joint.supply_V, 1) + "  " +
+         (silent(joint) ? "SILENT" : diagnostics::state_text(joint.state)) + '\n';
 }
 
 /// A line of its own, since it has no room beside a joint: the first fault, and how many more there are.
@@ -65,7 +68,7 @@ Json joint_json(const hal::JointReading& joint) {
           {"driver_temperature_C", json_number(joint.driver_temperature_C)},
           {"motor_temperature_C", json_number(joint.motor_temperature_C)},
           {"supply_V", json_number(joint.supply_V)},
-          {"mode", diagnostics::state_text(joint.state)},
+          {"mode", silent(joint) ? "silent" : diagnostics::state_text(joint.state)},
           {"fault", hal::name(joint.fault)},
           {"fault_code", joint.fault_code},
           {"missed_replies", joint.missed_replies}};
@@ -94,6 +97,16 @@ std::expected<void, std::string> watch(Session& session, double duration_s,
   }
   session.disable();
   return {};
+}
+
+bool good(const WatchSample& sample) {
+  const hal::RobotReadings& readings = sample.readings;
+  const bool joints = std::ranges::all_of(readings.joints, [](const hal::JointReading& joint) {
+    return !silent(joint) && joint.fault == hal::DriverFault::none && joint.state != hal::DriverState::idle;
+  });
+  return joints && readings.base.missed_replies <= kSilentReads &&
+         (readings.emergency_stop == hal::EmergencyStopState::released ||
+          readings.emergency_stop == hal::EmergencyStopState::absent);
 }
 
 std::string to_table(const WatchSample& sample) {

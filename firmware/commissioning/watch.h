@@ -25,6 +25,10 @@ struct WatchSample {
     Session& session, double duration_s, const std::function<void(const WatchSample&)>& show,
     const std::function<bool(const WatchSample&)>& follow = [](const WatchSample&) { return true; });
 
+/// Whether every joint and the torso report, and no driver has a fault or is off. An emergency stop that is
+/// configured must report that it is released.
+[[nodiscard]] bool good(const WatchSample& sample);
+
 /// A table of kWatchLines lines, none longer than a terminal of 80 columns: one that wraps is not drawn over.
 [[nodiscard]] std::string to_table(const WatchSample& sample);
 inline constexpr int kWatchLines = 9;

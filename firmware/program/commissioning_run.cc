@@ -137,14 +137,16 @@ class WatchDisplay {
   std::string last_;
 };
 
-/// Ends when its lines of JSON are lost, too.
+/// Ends when its lines of JSON are lost, too. The sample that it shows last is judged.
 CommissioningOutcome run_watch(const Options& options, ControllerState& state, hal::Clock& clock,
                                const std::atomic<bool>& stop) {
   WatchDisplay display(options.json_file);
   if (!display.good()) return {.error = display.finish(), .bad_input = true, .text = {}, .json = {}};
   Session session = session_of(options, state, clock, stop);
   WatchTelemetry telemetry(state, clock.now_ns(), options.configuration.timing.torque_rate_hz);
+  bool well = false;
   const auto show = [&](const commissioning::WatchSample& sample) {
+    well = good(sample);
     if (sample.time_s == 0) say_unknown_turns(state);
     display.show(sample);
   };
@@ -156,8 +158,11 @@ CommissioningOutcome run_watch(const Options& options, ControllerState& state, h
     return {.error = done.error(), .text = {}, .json = {}};
   }
   const std::string lost = display.finish();
-  return {
-      .error = lost, .bad_input = !lost.empty(), .passed = lost.empty(), .text = display.last(), .json = {}};
+  return {.error = lost,
+          .bad_input = !lost.empty(),
+          .passed = lost.empty() && well,
+          .text = display.last(),
+          .json = {}};
 }
 
 CommissioningOutcome run_jog(const Options& options, ControllerState& state, hal::Clock& clock,

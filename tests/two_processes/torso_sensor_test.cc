@@ -118,6 +118,7 @@ TEST(TwoProcesses, AnEncoderWithOtherStepsIsNamedAndNotRead) {
   run.start_command({"watch"}, with_settings({"--lockstep", "--duration", "1"},
                                              {"device=canopen_encoder", "encoder_steps=36000"}));
   run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 1) << "the torso is silent\n" << run.said();
   EXPECT_NE(
       text_of(run.file("controller.err"))
           .find(

@@ -208,6 +208,40 @@ TEST(Watch, ALineOfJsonIsASampleAndATableHasItsLines) {
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), kWatchLines);
 }
 
+TEST(Watch, IsWellWhileAllReportAndTheStopIsReleased) {
+  HangingRobot robot;
+  const WatchSample well = watched(robot, 0.2).back();
+  EXPECT_TRUE(good(well)) << to_table(well);
+  WatchSample without_stop = well;
+  without_stop.readings.emergency_stop = hal::EmergencyStopState::absent;
+  EXPECT_TRUE(good(without_stop));
+  for (const auto stop : {hal::EmergencyStopState::pressed, hal::EmergencyStopState::unknown}) {
+    WatchSample sample = well;
+    sample.readings.emergency_stop = stop;
+    EXPECT_FALSE(good(sample)) << to_table(sample);
+  }
+  WatchSample torso = well;
+  torso.readings.base.missed_replies = kSilentReads + 1;
+  EXPECT_FALSE(good(torso));
+  WatchSample faulty = well;
+  faulty.readings.joints[1].fault = hal::DriverFault::over_voltage;
+  EXPECT_FALSE(good(faulty));
+  WatchSample off = well;
+  off.readings.joints[2].state = hal::DriverState::idle;
+  EXPECT_FALSE(good(off));
+}
+
+TEST(Watch, AJointThatIsSilentIsNotWellAndNamedSo) {
+  HangingRobot robot;
+  robot.lost_id = 0x14;  // replies of knee_R
+  robot.lost_from_ns = robot.now_ns() + 2'000'000'000;
+  const WatchSample sample = watched(robot, 3.0).back();
+  EXPECT_FALSE(good(sample)) << to_table(sample);
+  const auto json = nlohmann::json::parse(to_json_line(sample));
+  EXPECT_EQ(json["joints"]["knee_R"]["mode"], "silent");
+  EXPECT_EQ(json["joints"]["hip_R"]["mode"], "enabled");
+}
+
 /// A longer line wraps on a terminal of 80 columns, and the next table is drawn below its remains.
 TEST(Watch, NoLineOfTheTableIsLongerThanATerminalIsWide) {
   WatchSample sample;
