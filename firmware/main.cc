@@ -335,12 +335,15 @@ int check_config(const program::Options& options) {
   return buses.refused ? kBadUsage : kDone;
 }
 
-/// interrupts: of the buses that were named, or of the configuration's that have an adapter.
+/// interrupts: of the buses that were named, or of the configuration's, but those without hardware.
 int run_interrupts(const program::Options& options) {
   const std::vector<std::string>& named = options.interrupt_buses;
   std::vector<realtime::BusInterrupts> buses = realtime::bus_interrupts(
       named.empty() ? configuration::bus_names(options.configuration.hardware) : named);
-  if (named.empty()) std::erase_if(buses, [](const auto& bus) { return bus.adapter.empty(); });
+  if (named.empty()) {
+    std::erase_if(buses,
+                  [](const auto& bus) { return bus.adapter.empty() && program::may_lack_adapter(bus.bus); });
+  }
   const auto raised = program::raise_interrupts(buses, options.configuration.runtime);
   if (!raised) return refuse("interrupts: " + raised.error());
   std::fputs(raised->c_str(), stdout);

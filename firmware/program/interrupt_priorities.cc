@@ -1,5 +1,6 @@
 #include "firmware/program/interrupt_priorities.h"
 
+#include <net/if.h>
 #include <sched.h>
 
 #include <algorithm>
@@ -12,6 +13,13 @@ namespace stilt::program {
 
 int interrupt_priority(const configuration::RuntimeParameters& runtime) noexcept {
   return (runtime.planner_priority + runtime.torque_priority) / 2;
+}
+
+bool may_lack_adapter(const std::string& bus) {
+  for (const char* prefix : {"loopback:", "fdcanusb:", "vcan"}) {
+    if (bus.starts_with(prefix)) return true;
+  }
+  return if_nametoindex(bus.c_str()) != 0;
 }
 
 std::string set_priority(int process, int priority) {

@@ -14,6 +14,10 @@ namespace stilt::program {
 /// tick.
 [[nodiscard]] int interrupt_priority(const configuration::RuntimeParameters& runtime) noexcept;
 
+/// Whether a bus that /sys has no adapter of is well, by its name: a loopback, a vcan, an fdcanusb. So is an
+/// interface that is there, as that of an slcan. Any other is missing.
+[[nodiscard]] bool may_lack_adapter(const std::string& bus);
+
 /// Gives a thread of the kernel SCHED_FIFO with this priority. @return  why not; empty: done
 using SetPriority = std::function<std::string(int process, int priority)>;
 

@@ -69,5 +69,11 @@ TEST(InterruptPriorities, AnInterfaceThatIsNotThereIsAMistake) {
   EXPECT_EQ(text.error(), "can7: there is no such interface or no adapter");
 }
 
+TEST(InterruptPriorities, OnlyBusesWithoutHardwareMayLackAnAdapter) {
+  for (const char* bus : {"loopback:left", "fdcanusb:/dev/ttyACM0", "vcan0", "lo"})
+    EXPECT_TRUE(may_lack_adapter(bus)) << bus;
+  for (const char* bus : {"nosuchcan0", "cam0", ""}) EXPECT_FALSE(may_lack_adapter(bus)) << bus;
+}
+
 }  // namespace
 }  // namespace stilt::program

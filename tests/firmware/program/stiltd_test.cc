@@ -50,6 +50,15 @@ TEST(Stiltd, EveryCommandShowsExamplesOfItself) {
   }
 }
 
+TEST(Stiltd, InterruptsOfAConfiguredInterfaceThatIsNotThereAreAMistake) {
+  const Answer missing = stiltd("interrupts --set hardware.buses=" + kAbsentBus + ",nosuchcan0");
+  EXPECT_EQ(missing.status, 2) << missing.text;
+  EXPECT_TRUE(has(missing, "stiltd: interrupts: nosuchcan0: there is no such interface or no adapter"))
+      << missing.text;
+  const Answer none = stiltd("interrupts " + kAbsentBuses);
+  EXPECT_EQ(none.status, 0) << none.text;
+}
+
 TEST(Stiltd, RefusesABusThatIsNotThereInOneSentence) {
   const tests::OwnFolder folder;
   const Answer run = stiltd(kAbsentBuses + " --lockstep --set telemetry.token_file=" + folder.file("token"));
