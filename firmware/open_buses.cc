@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <ctime>
 
 #include "hal/can/lockstep.h"
@@ -9,10 +10,14 @@
 
 namespace stilt {
 
-hal::socketcan::BusOptions bus_options(const hal::RobotWiring& wiring, std::size_t bus, bool lockstep) {
+hal::socketcan::BusOptions bus_options(const configuration::HardwareParameters& hardware, std::size_t bus,
+                                       bool lockstep) {
+  const hal::RobotWiring wiring = configuration::robot_wiring(hardware);
   hal::socketcan::BusOptions options;
   options.receive_ids = hal::receive_ids(wiring, bus);
   options.fd = hal::uses_fd(wiring, bus);
+  options.bit_rate_bit_s = std::lround(hardware.bit_rate_bit_s);
+  options.data_bit_rate_bit_s = std::lround(hardware.data_bit_rate_bit_s);
   if (lockstep) {
     options.receive_ids.push_back({hal::kControllerSyncId, true});
     options.receive_ids.push_back({hal::kRobotSyncId, true});
@@ -22,12 +27,11 @@ hal::socketcan::BusOptions bus_options(const hal::RobotWiring& wiring, std::size
 
 std::expected<std::vector<hal::AnyBus>, std::string> open_buses(
     const configuration::HardwareParameters& hardware, bool lockstep, Received received, int priority) {
-  const hal::RobotWiring wiring = configuration::robot_wiring(hardware);
   const std::vector<std::string> names = configuration::bus_names(hardware);
   std::vector<hal::AnyBus> buses(names.size());
   for (std::size_t bus = 0; bus < names.size(); ++bus) {
     if (const auto locked = buses[bus].lock(names[bus]); !locked) return std::unexpected(locked.error());
-    hal::socketcan::BusOptions options = bus_options(wiring, bus, lockstep);
+    hal::socketcan::BusOptions options = bus_options(hardware, bus, lockstep);
     if (received == Received::all) options.receive_ids.clear();
     const auto opened = buses[bus].open(names[bus], options, priority);
     if (!opened) return std::unexpected(opened.error());

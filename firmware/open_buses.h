@@ -29,7 +29,7 @@ enum class Received { those_of_the_wiring, all };
 [[nodiscard]] std::string unacknowledged_sentence(const std::string& bus, std::size_t commands);
 
 /// What a bus receives: replies, echoes of our own commands, sensors.
-[[nodiscard]] hal::socketcan::BusOptions bus_options(const hal::RobotWiring& wiring, std::size_t bus,
-                                                     bool lockstep);
+[[nodiscard]] hal::socketcan::BusOptions bus_options(const configuration::HardwareParameters& hardware,
+                                                     std::size_t bus, bool lockstep);
 
 }  // namespace stilt

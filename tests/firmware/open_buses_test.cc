@@ -28,32 +28,40 @@ bool receives(const hal::socketcan::BusOptions& options, std::uint32_t id, bool 
 
 TEST(OpenBuses, EachBusReceivesWhatItsDriversSendAndItsOwnCommands) {
   const Configuration configuration = configuration::load_robot("amber3m").value();
-  const hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
-  const auto left = bus_options(wiring, 0, false);
+  const auto left = bus_options(configuration.hardware, 0, false);
   for (const std::uint32_t id : {0x1u, 0x2u, 0x11u, 0x12u, 0x7ffu, 0x150u}) {
     EXPECT_TRUE(receives(left, id, false)) << id;
   }
   EXPECT_FALSE(receives(left, 0x13, false)) << "on the other bus";
   EXPECT_FALSE(left.fd);
-  const auto right = bus_options(wiring, 1, false);
+  const auto right = bus_options(configuration.hardware, 1, false);
   EXPECT_TRUE(receives(right, 0x14, false));
   EXPECT_FALSE(receives(right, 0x150, false)) << "the torso sensor is on the first bus";
 }
 
 TEST(OpenBuses, SyncFramesPassInLockstepOnly) {
   const Configuration configuration = configuration::load_robot("amber3m").value();
-  const hal::RobotWiring wiring = configuration::robot_wiring(configuration.hardware);
-  EXPECT_TRUE(receives(bus_options(wiring, 1, true), hal::kRobotSyncId, true));
-  EXPECT_FALSE(receives(bus_options(wiring, 1, false), hal::kRobotSyncId, true));
+  EXPECT_TRUE(receives(bus_options(configuration.hardware, 1, true), hal::kRobotSyncId, true));
+  EXPECT_FALSE(receives(bus_options(configuration.hardware, 1, false), hal::kRobotSyncId, true));
 }
 
 TEST(OpenBuses, MoteusDriversNeedFlexibleFramesAndBothDirections) {
   const Override moteus[] = {{"hip_driver.protocol=moteus"}, {"knee_driver.protocol=moteus"}};
   const Configuration configuration = configuration::load_robot("amber3m", moteus).value();
-  const auto options = bus_options(configuration::robot_wiring(configuration.hardware), 0, false);
+  const auto options = bus_options(configuration.hardware, 0, false);
   EXPECT_TRUE(options.fd);
   EXPECT_TRUE(receives(options, 0x8001, true));
   EXPECT_TRUE(receives(options, 0x100, false));
+}
+
+TEST(OpenBuses, AnInterfaceThatIsDownIsToComeUpWithTheConfiguredBitRates) {
+  const Override slow[] = {{"hardware.bit_rate_bit_s=5e5"}, {"hardware.data_bit_rate_bit_s=2e6"}};
+  const auto hardware = configuration::load_robot("amber3m", slow).value().hardware;
+  const std::string sentence = hal::socketcan::down_sentence("can0", bus_options(hardware, 0, false));
+  EXPECT_TRUE(sentence.starts_with(
+      "bus can0: the interface is down; bring it up with `ip link set can0 up type can bitrate 500000`, "
+      "with CAN FD also `dbitrate 2000000 fd on sample-point 0.666 "))
+      << sentence;
 }
 
 /// A bus of this run alone: locks and listeners of buses are those of the machine.

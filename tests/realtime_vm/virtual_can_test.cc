@@ -143,7 +143,7 @@ TEST_F(KernelCan, AnInterfaceThatIsDownIsRefusedInOneSentence) {
   EXPECT_EQ(
       opened.error(),
       "bus vcan1: the interface is down; bring it up with `ip link set vcan1 up type can bitrate 1000000`, "
-      "with moteus also " +
+      "with CAN FD also " +
           kMoteusTiming);
 }
 
@@ -153,7 +153,8 @@ TEST_F(KernelCan, AnInterfaceOfClassicFramesIsRefusedForCanFdWithTheBitTimingOfA
   const auto opened = bus.open("vcan1", {.receive_ids = {}, .fd = true});
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error(),
-            "bus vcan1: the interface carries no CAN FD frames, which moteus needs; set it up with " +
+            "bus vcan1: the interface carries no CAN FD frames, which a moteus and can_fd = true need; set "
+            "it up with " +
                 kMoteusTiming);
   EXPECT_TRUE(bus.open("vcan1", {}));
   shell("ip link set vcan1 down && ip link set vcan1 mtu 72 up");

@@ -77,14 +77,15 @@ Attempt attempt(const std::string& interface, const BusOptions& options,
 
 /// Rates alone leave sample points to the kernel, at 75 to 87.5 %, where a moteus does not follow. At 40 MHz
 /// a bit of data has 8 quanta, 2 and 3 of them in its phases: kernels from 6.3 on refuse a longer jump.
-std::string fd_timing(const std::string& interface) {
-  return "`dbitrate 5000000 fd on sample-point 0.666 dsample-point 0.666 sjw 10 dsjw 5`, or `dsjw 2` where "
+std::string fd_timing(const std::string& interface, const BusOptions& options) {
+  return "`dbitrate " + std::to_string(options.data_bit_rate_bit_s) +
+         " fd on sample-point 0.666 dsample-point 0.666 sjw 10 dsjw 5`, or `dsjw 2` where "
          "`ip "
          "-details link show " +
          interface + "` shows clock 40000000";
 }
 
-std::string sentence(const std::string& interface, const Attempt& failed) {
+std::string sentence(const std::string& interface, const BusOptions& options, const Attempt& failed) {
   const std::string reason = std::strerror(failed.error_number);
   switch (failed.failed) {
     case Step::name:
@@ -98,12 +99,9 @@ std::string sentence(const std::string& interface, const Attempt& failed) {
     case Step::find:
       return "bus " + interface + ": no such interface; `ip link` lists those there are";
     case Step::down:
-      return "bus " + interface + ": the interface is down; bring it up with `ip link set " + interface +
-             " up type can bitrate 1000000`, with moteus also " + fd_timing(interface);
+      return down_sentence(interface, options);
     case Step::classic:
-      return "bus " + interface +
-             ": the interface carries no CAN FD frames, which moteus needs; set it up with " +
-             fd_timing(interface);
+      return classic_sentence(interface, options);
     case Step::flags:
     case Step::mtu:
     case Step::option:
@@ -116,12 +114,24 @@ std::string sentence(const std::string& interface, const Attempt& failed) {
 
 }  // namespace
 
+std::string down_sentence(const std::string& interface, const BusOptions& options) {
+  return "bus " + interface + ": the interface is down; bring it up with `ip link set " + interface +
+         " up type can bitrate " + std::to_string(options.bit_rate_bit_s) + "`, with CAN FD also " +
+         fd_timing(interface, options);
+}
+
+std::string classic_sentence(const std::string& interface, const BusOptions& options) {
+  return "bus " + interface +
+         ": the interface carries no CAN FD frames, which a moteus and can_fd = true need; set it up with " +
+         fd_timing(interface, options);
+}
+
 std::expected<void, std::string> SocketCanBus::open(const std::string& interface, const BusOptions& options) {
   interface_ = interface;
   options_ = options;
   filters_ = kernel_filters(options);
   Attempt opened = attempt(interface_, options_, filters_);
-  if (opened.failed != Step::none) return std::unexpected(sentence(interface_, opened));
+  if (opened.failed != Step::none) return std::unexpected(sentence(interface_, options_, opened));
   descriptor_ = std::move(opened.descriptor);
   socket_.reset(descriptor_.get());
   return {};

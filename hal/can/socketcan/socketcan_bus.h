@@ -17,7 +17,14 @@ struct BusOptions {
   std::vector<FrameId> receive_ids;
   bool fd = false;                        ///< the interface must carry CAN FD frames
   int receive_buffer_bytes = 256 * 1024;  ///< room for housekeeping pauses; the kernel doubles it
+  long bit_rate_bit_s = 1'000'000;        ///< that it must have, for the sentence where it is down
+  long data_bit_rate_bit_s = 5'000'000;   ///< of CAN FD frames
 };
+
+/// Why an interface that is down is not opened, and the command that brings it up.
+[[nodiscard]] std::string down_sentence(const std::string& interface, const BusOptions& options);
+/// The same of one that carries no CAN FD frames.
+[[nodiscard]] std::string classic_sentence(const std::string& interface, const BusOptions& options);
 
 /// A CAN interface of the kernel (can0, vcan0) through one CAN_RAW socket. It has filters, error frames on
 /// the same socket, echoes of own frames, the overflow counter of the receive queue. open() allocates and may

@@ -39,6 +39,13 @@ TEST(SocketCanBus, AKernelWithoutCanPointsToLoopback) {
   EXPECT_FALSE(bus.reconnect()) << "and nothing else is opened instead";
 }
 
+TEST(SocketCanBus, AnInterfaceOfClassicFramesNamesWhatNeedsCanFd) {
+  EXPECT_TRUE(classic_sentence("can0", {})
+                  .starts_with("bus can0: the interface carries no CAN FD frames, which a moteus "
+                               "and can_fd = true need; set it up with `dbitrate 5000000 "))
+      << classic_sentence("can0", {});
+}
+
 /// Needs an interface vcan0 that is up: `ip link add vcan0 type vcan && ip link set vcan0 up`.
 class VirtualCan : public ::testing::Test {
  protected:
