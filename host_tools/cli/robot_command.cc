@@ -120,7 +120,8 @@ CLI::App* add_robot_command(CLI::App& program, RobotOptions& options) {
       ->add_option("--plant", options.plant_settings,
                    "changes the simulated robot or its world: KEY=VALUE; repeatable")
       ->allow_extra_args(false);
-  robot->add_flag("--hang", options.hang, "hangs for good, its legs free: for stiltd scan, watch and jog");
+  robot->add_flag("--hang", options.hang,
+                  "hangs for good, its legs free: for stiltd scan, watch and jog; not with --fault");
   robot->add_option(
       "--hands", options.hands_file,
       "with --hang: hands on it, for stiltd watch, calibrate and zero: lines of a FIFO, a file or -: " +

@@ -28,6 +28,10 @@ configuration::Configuration configuration_of(const RobotOptions& options) {
 
 std::vector<simulation::TimedFault> faults_of(const RobotOptions& options, std::size_t bus_count) {
   std::vector<simulation::TimedFault> faults;
+  if (options.hang && !options.faults.empty()) {
+    throw UsageError("--fault " + options.faults.front() +
+                     ": its time counts from the gantry's release, and with --hang there is none; omit one");
+  }
   for (const std::string& text : options.faults) {
     faults.push_back(simulation::parse_fault(text));
     const simulation::TimedFault& fault = faults.back();

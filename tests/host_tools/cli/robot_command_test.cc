@@ -61,6 +61,13 @@ TEST(RobotCommand, MistakesAreNamed) {
   options.lockstep = true;
   EXPECT_TRUE(complaint(options).starts_with("--fault disconnect@1: "));
   options = {};
+  options.hang = true;
+  options.faults = {"emergency-stop@1"};
+  EXPECT_EQ(
+      complaint(options),
+      "--fault emergency-stop@1: its time counts from the gantry's release, and with --hang there is none; "
+      "omit one");
+  options = {};
   options.duration_s = 0.0;
   EXPECT_TRUE(complaint(options).starts_with("--duration 0: "));
   options = {};
