@@ -108,6 +108,7 @@ class BusScan {
   ScannedNode finished(const Candidate& candidate) const {
     ScannedNode node = candidate.node;
     node.several = several(candidate);
+    if (node.found.answered) node.undecoded.reset();
     if (!result_.acknowledged) node.bus_errors = 0;
     node.settings.insert(node.settings.end(), candidate.watchdog_keys.begin(), candidate.watchdog_keys.end());
     if (node.found.version) node.firmware = hal::version_text(candidate.driver, *node.found.version);
@@ -169,9 +170,21 @@ class BusScan {
     if (asked == nullptr || of_sensor(key)) return;
     // What came before anybody was asked is the answer of no driver that only answers.
     if (!hal::sends_unasked(asked->driver) && unasked_.contains(key)) return;
-    if (!hal::take_scan(asked->driver, frame, asked->node.found)) return;
+    if (!hal::take_scan(asked->driver, frame, asked->node.found)) return note_undecoded(key, frame, *asked);
     of_drivers_.insert(key);
     ++asked->answers;
+  }
+
+  /// A late answer of another driver of the configuration is none of these.
+  void note_undecoded(const FrameKey& key, const hal::CanFrame& frame, Candidate& asked) const {
+    const auto decodes = [&frame](const Candidate& candidate) {
+      hal::ScannedDriver ignored;
+      return hal::take_scan(candidate.driver, frame, ignored);
+    };
+    if (!asked.node.joint || unasked_.contains(key) || std::ranges::any_of(expected_, decodes)) return;
+    const auto ids = hal::visit_driver(asked.driver, [](const auto& any) { return receive_ids(any); });
+    if (std::ranges::any_of(ids, [&key](const auto& id) { return FrameKey{id.id, id.extended} == key; }))
+      asked.node.undecoded = {frame.id, frame.length};
   }
 
   void note_unasked(const FrameKey& key, const hal::CanFrame& frame) {

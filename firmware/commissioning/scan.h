@@ -22,6 +22,12 @@
 /// which it does not store. Ordinary threads; why so: docs/decisions/0021-commissioning.md
 namespace stilt::commissioning {
 
+/// What came after questions under an identifier of their driver, and is no answer of its protocol.
+struct UndecodedReply {
+  std::uint32_t id = 0;
+  int length = 0;  ///< bytes
+};
+
 /// A driver that the configuration names, or another that answered.
 struct ScannedNode {
   std::optional<std::size_t> joint;  ///< nothing: not in the configuration of this bus
@@ -30,6 +36,7 @@ struct ScannedNode {
   std::optional<int> expected_reply_id;  ///< by the configuration, where the driver has such a setting
   std::string firmware;                  ///< as the vendor writes it; empty: not reported
   hal::ScannedDriver found;
+  std::optional<UndecodedReply> undecoded;  ///< the newest, of a driver of the configuration without answer
   /// Of a driver of the configuration, as far as it can be asked, and its keys of a watchdog.
   std::vector<hal::ReadSetting> settings;
   std::string several;           ///< why more than one driver has this identifier; empty: nothing shows that

@@ -61,11 +61,20 @@ std::string errors_text(const ScannedNode& node) {
                               : ", " + std::to_string(node.bus_errors) + " bus errors while it was asked";
 }
 
+/// The driver answers, but not as its protocol has it.
+std::string undecoded_text(const ScannedNode& node) {
+  if (!node.undecoded) return "";
+  return ", but sends " + std::to_string(node.undecoded->length) + " bytes under " +
+         hexadecimal(node.undecoded->id) + ": look at " + control_loop::driver_section(*node.joint) +
+         ".protocol";
+}
+
 std::string expected_line(const ScannedNode& node) {
   std::string text = "  " + std::string(kJointNames[*node.joint]) + " (" + node.protocol + " " +
                      std::to_string(node.id) + "): ";
   if (!node.found.answered) {
-    return text + "MISSING, no answer" + errors_text(node) + '\n' + settings_text(node);
+    return text + "MISSING, no answer" + undecoded_text(node) + errors_text(node) + '\n' +
+           settings_text(node);
   }
   text += node.good() ? "answers" : "ANSWERS, BUT NOT WELL";
   if (node.wrong_reply_id()) {
@@ -159,6 +168,8 @@ Json node_json(const ScannedNode& node) {
   json["answers"] = node.found.answered;
   json["reply_id"] = node.found.reply_id ? Json(*node.found.reply_id) : Json(nullptr);
   json["wrong_reply_id"] = node.wrong_reply_id();
+  json["undecoded_reply"] =
+      node.undecoded ? Json{{"id", node.undecoded->id}, {"length", node.undecoded->length}} : Json(nullptr);
   json["several_drivers"] = !node.several.empty();
   json["bus_errors"] = node.bus_errors;
   json["firmware"] = node.firmware.empty() ? Json(nullptr) : Json(node.firmware);
