@@ -267,6 +267,7 @@ class BusScan {
   /// A driver that there is nothing to ask has reported by itself. Errors of the bus count where it does not
   /// answer. A controller that recovers reports that, too: it is active then.
   void ask(Candidate& candidate, const Patience& patience) {
+    result_.asked.insert(candidate.node.id);
     const std::vector<hal::CanFrame> questions = hal::scan_frames(candidate.driver);
     if (questions.empty()) {
       for (const auto& [key, frame] : newest_unasked_) take(frame, &candidate);

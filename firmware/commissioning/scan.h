@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -78,6 +79,7 @@ struct ScannedBus {
   bool acknowledged = true;      ///< frames leave: somebody acknowledges them
   std::uint64_t bus_errors = 0;  ///< while a driver was asked in vain; 0 where nothing acknowledges
   bool asked_others = false;     ///< identifiers outside the configuration were asked, too
+  std::set<int> asked;           ///< identifiers that were asked, or looked for where drivers report
 };
 
 /// What all buses have.

@@ -113,6 +113,28 @@ std::string sensor_text(const ScannedFrames& frames) {
          formatted(" where torso_sensor.rate_hz is %g", frames.expected_hz);
 }
 
+/// "1 to 32, 104".
+std::string ranges_text(const std::set<int>& numbers) {
+  std::string text;
+  for (auto next = numbers.begin(); next != numbers.end();) {
+    const int first = *next;
+    int last = first;
+    while (++next != numbers.end() && *next == last + 1) last = *next;
+    text += (text.empty() ? "" : ", ") + std::to_string(first);
+    if (last > first) text += " to " + std::to_string(last);
+  }
+  return text;
+}
+
+/// Where a joint is missing: its driver may have an identifier that was not asked.
+std::string asked_text(const ScannedBus& bus) {
+  const bool missing =
+      std::ranges::any_of(bus.expected, [](const ScannedNode& node) { return !node.found.answered; });
+  if (!missing || !bus.asked_others) return "";
+  return "  looked for " + bus.expected.front().protocol + " " + ranges_text(bus.asked) +
+         ": a driver with another identifier is not found\n";
+}
+
 std::string bus_text(const ScanResult& result, const ScannedBus& bus) {
   std::string text = bus.name + '\n';
   if (!bus.acknowledged) {
@@ -133,6 +155,7 @@ std::string bus_text(const ScanResult& result, const ScannedBus& bus) {
             meant_joint(result, bus, node) + '\n';
   }
   for (const ScannedFrames& frames : bus.unknown) text += "  UNKNOWN: " + frames_text(frames) + '\n';
+  text += asked_text(bus);
   if (bus.acknowledged && !bus.asked_others && !bus.expected.empty()) {
     text += "  drivers of several protocols: only those of the configuration were asked\n";
   }
@@ -224,6 +247,7 @@ std::string to_json(const ScanResult& result) {
                              {"drivers", drivers},
                              {"unexpected", unexpected},
                              {"asked_other_identifiers", bus.asked_others},
+                             {"asked_identifiers", bus.asked},
                              {"torso_sensor", frames_json(bus.torso_sensor)},
                              {"torso_sensor_trouble", bus.torso_trouble},
                              {"unknown_frames", frames_json(bus.unknown)}});

@@ -53,5 +53,26 @@ TEST(ScanProtocol, AnAnswerThatIsDecodedOrMissingIsNone) {
   }
 }
 
+/// As it comes from its vendor, an AK has 104. The configuration may name it, and the scan asks for it then.
+TEST(ScanProtocol, AMissingJointIsNamedWithTheIdentifiersThatWereAsked) {
+  HangingRobot robot({.both = drivers("mit_ak"), .robot = {"hip_R.id=104"}, .miswired = {}});
+  const ScanResult result = scanned(robot);
+  const std::string text = to_text(result);
+  EXPECT_TRUE(has(text, "hip_R (mit_ak 3): MISSING, no answer\n")) << text;
+  EXPECT_TRUE(has(text, "  looked for mit_ak 1 to 32: a driver with another identifier is not found\n"))
+      << text;
+  EXPECT_EQ(text.find("  looked for mit_ak"), text.rfind("  looked for mit_ak")) << "the left leg is whole\n"
+                                                                                 << text;
+  const auto json = nlohmann::json::parse(to_json(result));
+  EXPECT_EQ(json["buses"][1]["asked_identifiers"].size(), 32u);
+
+  Settings far = drivers("mit_ak");
+  far.emplace_back("hip_R.id=104");
+  HangingRobot named({.both = far, .robot = {"knee_R.id=105"}, .miswired = {}});
+  const std::string other = to_text(scanned(named));
+  EXPECT_TRUE(has(other, "hip_R (mit_ak 104): answers")) << other;
+  EXPECT_TRUE(has(other, "  looked for mit_ak 1 to 32, 104: a driver")) << other;
+}
+
 }  // namespace
 }  // namespace stilt::commissioning
