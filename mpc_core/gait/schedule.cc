@@ -48,13 +48,14 @@ Interval ContactSchedule::foot_interval(int index, int foot) const noexcept {
   return {phases_[first].start_s, end_s(last)};
 }
 
-/// Whether the present swing is too old to move its foothold. The last foot but one to
+/// Whether the present swing is too old to move its foothold, or has landed already. The last foot but one to
 /// land before a stand is placed to make room between the feet.
 bool ContactSchedule::about_to_land(double time_s, const GaitParameters& parameters) const noexcept {
   constexpr double kPlaceable = 0.5;
   const ContactPhase& present = phases_[count_ - 1];
   const double elapsed_s = time_s - present.start_s;
-  return is_single(present.mode) && elapsed_s > (1.0 - kPlaceable) * parameters.single_support_s;
+  if (present.mode == kBoth) return present.gait != GaitKind::stand;
+  return elapsed_s > (1.0 - kPlaceable) * parameters.single_support_s;
 }
 
 void ContactSchedule::drop_past(double time_s) noexcept {

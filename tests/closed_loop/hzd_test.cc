@@ -89,6 +89,23 @@ TEST(ClosedLoop, SpeedsCommandedWhileWalkingAreFollowedFromBackwardToFastAndThro
   }
 }
 
+class Stops : public testing::TestWithParam<double> {};
+
+/// The gaits land the feet close together, where a stand would step again and again.
+TEST_P(Stops, EndInAStandWithTheFeetApart) {
+  RunRequest request = following(0.5, 1.0, 12.0);
+  request.commands = {{0.0, {gait::GaitKind::walk, 0.5}}, {GetParam(), {gait::GaitKind::stand, 0.0}}};
+  request.keep_samples = true;
+  SimulatedRun run(request);
+  const log::RunRecord record = run.run();
+  ASSERT_TRUE(record.summary.survived) << describe(run, record);
+  EXPECT_LT(record.summary.steps.back().time_s, GetParam() + 4.0);
+  const model::FeetVector& feet = record.samples.back().foot_position_m;
+  EXPECT_GT(std::abs(feet[0] - feet[2]), run.parameters.gait.stand_half_width_m);
+}
+
+INSTANTIATE_TEST_SUITE_P(ClosedLoop, Stops, testing::Values(4.0, 4.07, 4.15, 4.22));
+
 class Pushed : public testing::TestWithParam<int> {};
 
 TEST_P(Pushed, AroundAGaitAHorizonOfTwoTenthsSurvivesFortyNewtons) {

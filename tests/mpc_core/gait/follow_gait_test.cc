@@ -34,15 +34,16 @@ struct Walk {
 
   explicit Walk(double speed_m_s) {
     gait.single_support_s = library().step_time_s();
-    const GaitCommand command{GaitKind::walk, speed_m_s};
     schedule.reset(0.0);
-    for (const double time_s : {0.0, now_s}) {
-      schedule.update(time_s, now_s + 3.0, command, gait, parameters, speed_m_s, true);
-    }
+    following.follow(testing_support::amber3m(), &library());
+    for (const double time_s : {0.0, now_s}) command(time_s, {GaitKind::walk, speed_m_s}, speed_m_s);
+  }
+
+  void command(double time_s, const GaitCommand& command, double speed_m_s) {
+    schedule.update(time_s, now_s + 3.0, command, gait, parameters, speed_m_s, true);
     model::StateVector state = model::StateVector::Zero();
     state[0] = 0.4;
     state[model::kPositions] = speed_m_s;
-    following.follow(testing_support::amber3m(), &library());
     for (HeuristicReference* reference : {&heuristic, &following}) {
       reference->prepare(testing_support::amber3m().constants, schedule, command, gait, parameters, now_s,
                          state, {0.45, 0.0, 0.3, 0.0}, speed_m_s, 0.0);
@@ -108,6 +109,22 @@ TEST_P(FollowGait, LeavesTheFootThatStandsAlreadyWhereItIs) {
   const int stance = walk.schedule.phase(phase).mode.left ? model::kLeft : model::kRight;
   EXPECT_EQ(walk.following.evaluate(walk.now_s, phase).foot_position_W_m[2 * stance],
             walk.heuristic.evaluate(walk.now_s, phase).foot_position_W_m[2 * stance]);
+}
+
+/// As a gait lands them the feet would come together, where a stand is no equilibrium.
+TEST_P(FollowGait, LandsTheFeetOfAStandWhereTheHeuristicsDo) {
+  Walk walk(GetParam());
+  walk.command(walk.now_s, {GaitKind::stand, 0.0}, GetParam());
+  const int stand = walk.schedule.index_at(walk.now_s + 3.0);
+  ASSERT_EQ(walk.schedule.phase(stand).gait, GaitKind::stand);
+  for (const int phase : {stand - 2, stand - 1}) {
+    const double end_s = walk.schedule.end_s(phase);
+    const int foot = walk.schedule.phase(phase).mode.left ? model::kRight : model::kLeft;
+    const ReferencePoint landing = walk.following.evaluate(end_s, phase);
+    const ReferencePoint heuristic = walk.heuristic.evaluate(end_s, phase);
+    EXPECT_EQ(landing.foot_position_W_m[2 * foot], heuristic.foot_position_W_m[2 * foot]);
+    EXPECT_NEAR(landing.foot_position_W_m[2 * foot + 1], 0.0, 1e-3) << "the height is the gait's";
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Speeds, FollowGait, testing::Values(-0.4, 0.0, 0.5, 0.73, 1.0));

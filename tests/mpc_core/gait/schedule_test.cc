@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <random>
 #include <vector>
 
@@ -216,6 +218,25 @@ TEST(Schedule, AStopTakesTheStepsThatTheDecelerationNeeds) {
       EXPECT_LE(stand_s, command_s + ramp_s + 3.0 * step_s) << speed_m_s;
     }
   }
+}
+
+/// Swings that begin after a stop, so long after a lift-off: single support of 0.4 s, double of 0.1 s.
+long swings_after_a_stop(double since_lift_off_s) {
+  Driver driver(0.1);
+  driver.run(kStep, 2.0);
+  while (!is_double(driver.now())) driver.cycle(kStep);
+  while (is_double(driver.now())) driver.cycle(kStep);
+  driver.run(kStep, since_lift_off_s);
+  const auto lived = static_cast<std::ptrdiff_t>(driver.lived.size());
+  driver.run(kStand, 5.0);
+  return std::count_if(driver.lived.begin() + lived, driver.lived.end(),
+                       [](const ContactPhase& phase) { return !is_double(phase); });
+}
+
+/// The last foot but one makes room between the feet: one that has landed, or soon does, no longer can.
+TEST(Schedule, AStopThatTheSwingIsTooOldForTakesOneStepMore) {
+  EXPECT_EQ(swings_after_a_stop(0.3), swings_after_a_stop(0.1) + 1);
+  EXPECT_EQ(swings_after_a_stop(0.45), swings_after_a_stop(0.3)) << "in double support";
 }
 
 TEST(Schedule, StandsStillForeverOnceStopped) {
