@@ -32,6 +32,9 @@ std::int64_t Session::begin_tick() {
   began_ns_ = clock_.sleep_until(pace_.next_ns());
   stall_ns_ = gives_torque_ ? began_ns_ - before_ns : 0;
   robot_.read(began_ns_, readings_);
+  for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+    if (is_up_ && readings_.joints[joint].state == hal::DriverState::idle) fell_idle_[joint] = true;
+  }
   return began_ns_;
 }
 
@@ -57,18 +60,24 @@ void Session::disable() {
 std::string Session::trouble() const {
   if (stopped()) return "stopped";
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
-    const hal::JointReading& reading = readings_.joints[joint];
-    const std::string driver = std::string("driver of ") + control_loop::kJointNames[joint];
-    if (reading.fault != hal::DriverFault::none) {
-      return driver + ": " + diagnostics::fault_text(reading.fault, reading.fault_code);
-    }
-    if (!std::isfinite(reading.position_rad)) return driver + " is silent";
-    if (reading.missed_replies <= kSilentReads) continue;
+    if (const std::string found = driver_trouble(joint); !found.empty()) return found;
+  }
+  return "";
+}
+
+std::string Session::driver_trouble(std::size_t joint) const {
+  const hal::JointReading& reading = readings_.joints[joint];
+  const std::string driver = std::string("driver of ") + control_loop::kJointNames[joint];
+  if (reading.fault != hal::DriverFault::none) {
+    return driver + ": " + diagnostics::fault_text(reading.fault, reading.fault_code);
+  }
+  if (!std::isfinite(reading.position_rad)) return driver + " is silent";
+  if (reading.missed_replies > kSilentReads) {
     const bool reports = began_ns_ - reading.time_ns <= kSilentReads * tick_ns_;
     return reports ? "no command leaves for the " + driver + ": look at the adapter of its bus"
                    : driver + " is silent";
   }
-  return "";
+  return fell_idle_[joint] ? driver + " was disabled or has restarted: begin anew" : "";
 }
 
 std::string Session::torso_trouble() const {
@@ -115,11 +124,14 @@ std::string Session::trouble_with_torque() const {
 }
 
 std::expected<void, std::string> Session::bring_up() {
+  is_up_ = false;
+  fell_idle_.fill(false);
   robot_.begin_bring_up();
   hal::BringUpProgress progress;
   for (std::int64_t left_ns = kLongestBringUp_ns; left_ns > 0 && !stopped(); left_ns -= tick_ns_) {
     progress = robot_.bring_up(begin_tick());
     end_tick();
+    is_up_ = progress.ready;
     if (progress.ready) return {};
     if (progress.failed) break;
   }

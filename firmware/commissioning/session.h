@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <limits>
@@ -65,7 +67,8 @@ class Session {
   [[nodiscard]] std::int64_t tick_ns() const noexcept { return tick_ns_; }
   [[nodiscard]] double tick_s() const noexcept { return 1e-9 * static_cast<double>(tick_ns_); }
   [[nodiscard]] hal::Clock& clock() noexcept { return clock_; }
-  /// What is wrong with stop, drivers or their replies; empty: nothing.
+  /// What is wrong with stop, drivers or their replies; empty: nothing. A driver that was idle since its
+  /// bring-up, however briefly, gives no torque, or lost its settings: it stays named.
   [[nodiscard]] std::string trouble() const;
   /// Why the torso's pitch is not current; empty: it is. For commands that need it.
   [[nodiscard]] std::string torso_trouble() const;
@@ -79,6 +82,8 @@ class Session {
   [[nodiscard]] bool stopped() const noexcept { return stop_.load(std::memory_order_relaxed); }
 
  private:
+  [[nodiscard]] std::string driver_trouble(std::size_t joint) const;
+
   hal::Robot& robot_;
   hal::Clock& clock_;
   const std::atomic<bool>& stop_;
@@ -88,6 +93,8 @@ class Session {
   std::int64_t began_ns_ = 0;
   std::int64_t stall_ns_ = 0;  ///< from the tick before to this one, where that one gave torque
   bool gives_torque_ = false;  ///< the newest command
+  bool is_up_ = false;         ///< bring_up() enabled all drivers
+  std::array<bool, hal::kJoints> fell_idle_{};  ///< since then
   hal::RobotReadings readings_;
 };
 

@@ -116,6 +116,7 @@ class StillRobot final : public hal::Robot {
       joint.position_rad = joint.velocity_rad_s = 0;
       joint.time_ns = now_ns - reading_age_ns;
       joint.missed_replies = missed_replies;
+      joint.state = state;
     }
   }
   [[nodiscard]] hal::JointBusStatus write(const hal::JointCommands&) noexcept override {
@@ -128,6 +129,7 @@ class StillRobot final : public hal::Robot {
 
   std::uint32_t missed_replies = 0;
   std::int64_t reading_age_ns = 0;
+  hal::DriverState state = hal::DriverState::enabled;
 };
 
 TEST(Session, ALoopThatStoodStillWhileAJointHadTorqueIsTrouble) {
@@ -172,6 +174,28 @@ TEST(Session, ADriverThatReportsWhileNoCommandLeavesIsNotCalledSilent) {
   robot.reading_age_ns = (kSilentReads + 1) * kTick_ns;
   session.tick();
   EXPECT_EQ(session.trouble(), "driver of hip_L is silent");
+}
+
+/// An AK of version 3 reports once that it has started again.
+TEST(Session, ADriverThatWasIdleSinceItsBringUpIsNamedUntilTheNext) {
+  StillRobot robot;
+  TestClock clock;
+  const std::atomic<bool> stop = false;
+  Session session(robot, clock, kTick_ns, stop);
+  const auto trouble_with = [&](hal::DriverState state) {
+    robot.state = state;
+    session.tick();
+    return session.trouble();
+  };
+  EXPECT_EQ(trouble_with(hal::DriverState::idle), "") << "nothing has enabled it yet";
+  ASSERT_TRUE(session.bring_up());
+  EXPECT_EQ(trouble_with(hal::DriverState::enabled), "");
+  EXPECT_EQ(trouble_with(hal::DriverState::unknown), "") << "some drivers report no state";
+  const std::string disabled = "driver of hip_L was disabled or has restarted: begin anew";
+  EXPECT_EQ(trouble_with(hal::DriverState::idle), disabled);
+  EXPECT_EQ(trouble_with(hal::DriverState::unknown), disabled);
+  ASSERT_TRUE(session.bring_up());
+  EXPECT_EQ(trouble_with(hal::DriverState::enabled), "");
 }
 
 }  // namespace
