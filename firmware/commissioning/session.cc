@@ -77,6 +77,10 @@ std::string Session::driver_trouble(std::size_t joint) const {
     return reports ? "no command leaves for the " + driver + ": look at the adapter of its bus"
                    : driver + " is silent";
   }
+  if (robot_.void_offset() == joint) {
+    return driver +
+           " was silent or has started again, and counts from power-up: its zero is lost; begin anew";
+  }
   return fell_idle_[joint] ? driver + " was disabled or has restarted: begin anew" : "";
 }
 

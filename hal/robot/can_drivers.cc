@@ -76,6 +76,12 @@ void CanDrivers::watch() noexcept {
   stepped_ = false;
 }
 
+std::optional<std::size_t> CanDrivers::void_offset() const noexcept {
+  const auto* const is_void = std::ranges::find(offset_is_void_, true);
+  if (is_void == offset_is_void_.end()) return std::nullopt;
+  return static_cast<std::size_t>(is_void - offset_is_void_.begin());
+}
+
 void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, BringUpProgress& progress) noexcept {
   TapBus& tap = taps_[wiring_.joints[joint].bus];
   const bring_up::StepResult result = of(joint).step(now_ns, tap.kept());
@@ -102,10 +108,9 @@ void CanDrivers::step_joint(std::int64_t now_ns, std::size_t joint, BringUpProgr
 BringUpProgress CanDrivers::step(std::int64_t now_ns) noexcept {
   BringUpProgress progress;
   stepped_ = true;
-  const auto* const is_void = std::ranges::find(offset_is_void_, true);
-  if (is_void != offset_is_void_.end()) {
+  if (const std::optional<std::size_t> joint = void_offset()) {
     progress.failed = true;
-    progress.joint = static_cast<std::size_t>(is_void - offset_is_void_.begin());
+    progress.joint = *joint;
     progress.stage = Stage::failed;
     progress.failure = bring_up::Failure::void_offsets;
     return progress;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "hal/ak/ak_bring_up.h"
@@ -35,6 +36,9 @@ class CanDrivers final {
   /// Once per read, after it. Silence while an answer was due may be a loss of power, or of a cable.
   /// A driver that was up before and counts from power-up may have lost its zero: every later step fails.
   void watch() noexcept;
+
+  /// The first joint with such a driver.
+  [[nodiscard]] std::optional<std::size_t> void_offset() const noexcept;
 
   /// False: the angle of a joint that is up may be wrong by whole turns of its driver's encoder.
   [[nodiscard]] bool turn_known(std::size_t joint) const noexcept {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "hal/bring_up/bring_up.h"
 #include "hal/driver/driver_fault.h"
@@ -64,6 +65,10 @@ class Robot {
   /// One step of it, once per tick, instead of a command. Services the watchdogs of drivers that are ready
   /// with commands of zero torque.
   [[nodiscard]] virtual BringUpProgress bring_up(std::int64_t now_ns) noexcept = 0;
+
+  /// The first joint whose driver was up, may have lost its power since, and counts from power-up: its offset
+  /// is void until the end.
+  [[nodiscard]] virtual std::optional<std::size_t> void_offset() const noexcept { return std::nullopt; }
 
   /// The operator asked for a reset: clears bus-off and faults that drivers keep, and has lost connections
   /// made again, later and elsewhere. Called every tick until that is over.

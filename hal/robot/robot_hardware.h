@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "hal/robot/can_drivers.h"
@@ -30,6 +31,9 @@ class RobotHardware final : public Robot {
   void begin_bring_up() noexcept override { drivers_.begin(); }
   [[nodiscard]] BringUpProgress bring_up(std::int64_t now_ns) noexcept override {
     return drivers_.step(now_ns);
+  }
+  [[nodiscard]] std::optional<std::size_t> void_offset() const noexcept override {
+    return drivers_.void_offset();
   }
   void restore_buses() noexcept override;
 

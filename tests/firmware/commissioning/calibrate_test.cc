@@ -297,6 +297,38 @@ TEST(Calibrate, APitchThatIsFrozenIsSilentAndNotDead) {
   }
 }
 
+TEST(Calibrate, ALostZeroIsNamedBeforeThePosesAreJudged) {
+  const std::vector<std::vector<std::string>> protocols = {
+      {"hip_driver.protocol=mit_ak", "knee_driver.protocol=mit_ak", "hip_driver.accept_missing_watchdog=true",
+       "knee_driver.accept_missing_watchdog=true"},
+      {"hip_driver.protocol=odrive", "knee_driver.protocol=odrive", "hip_driver.accept_missing_watchdog=true",
+       "knee_driver.accept_missing_watchdog=true"}};
+  for (const std::vector<std::string>& settings : protocols) {
+    SCOPED_TRACE(settings[0]);
+    HangingRobot robot({.both = settings, .robot = {}, .miswired = {}});
+    const auto power = [&robot](bool on) {
+      for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
+        robot.robot.drivers().driver(joint).set_powered(on);
+        if (on) robot.robot.drivers().driver(joint).power_cycle();
+      }
+    };
+    std::int64_t back_ns = 0;
+    robot.each_tick = [&] {
+      if (robot.now_ns() == back_ns) power(true);
+    };
+    OtherHelper person(robot, [&](const std::string& question) {
+      if (back_ns != 0 || question.find("(knee_R at ") == std::string::npos) return;
+      power(false);
+      back_ns = robot.now_ns() + 2'000'000'000;
+    });
+    const auto report = tried(robot, person);
+    ASSERT_FALSE(report) << to_text(*report);
+    EXPECT_EQ(report.error().sentence,
+              "driver of hip_L was silent or has started again, and counts from power-up: its zero is lost; "
+              "begin anew");
+  }
+}
+
 TEST(Calibrate, AQuestionThatIsRepeatedSaysWhy) {
   HangingRobot robot;
   std::vector<std::string> questions;
