@@ -83,6 +83,7 @@ class BusScan {
     if (wiring_.pitch_encoder) start_encoder();
     if (result_.acknowledged && protocols_.size() == 1) ask_others();
     if (!result_.acknowledged) result_.bus_errors = 0;
+    result_.off = frames_.health() == hal::BusHealth::off;
     for (Candidate& candidate : expected_) result_.expected.push_back(finished(candidate));
     return std::move(result_);
   }
@@ -142,6 +143,7 @@ class BusScan {
     hal::ReceiveResult received;
     do {
       received = frames_.receive(batch);
+      result_.gone = result_.gone || received.status == hal::BusStatus::disconnected;
       for (const hal::CanFrame& frame : std::span(batch).first(received.received)) take(frame);
     } while (received.status == hal::BusStatus::more);
   }
@@ -363,7 +365,7 @@ class BusScan {
 
 bool ScanResult::complete() const noexcept {
   return serial_sensor_trouble.empty() && std::ranges::all_of(buses, [](const ScannedBus& bus) {
-           return bus.bus_errors == 0 && bus.torso_trouble.empty() &&
+           return !bus.gone && !bus.off && bus.bus_errors == 0 && bus.torso_trouble.empty() &&
                   std::ranges::all_of(bus.expected, &ScannedNode::good) &&
                   std::ranges::all_of(bus.torso_sensor, &ScannedFrames::well) && bus.unexpected.empty() &&
                   bus.unknown.empty();

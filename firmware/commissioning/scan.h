@@ -76,6 +76,8 @@ struct ScannedBus {
   std::vector<ScannedFrames> torso_sensor;  ///< those of the configuration, with the rates they came at
   std::string torso_trouble;  ///< why it does not report, where that is known; empty: nothing is
   std::vector<ScannedFrames> unknown;
+  bool gone = false;             ///< while it was scanned
+  bool off = false;              ///< its controller took itself off
   bool acknowledged = true;      ///< frames leave: somebody acknowledges them
   std::uint64_t bus_errors = 0;  ///< while a driver was asked in vain; 0 where nothing acknowledges
   bool asked_others = false;     ///< identifiers outside the configuration were asked, too

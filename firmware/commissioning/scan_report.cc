@@ -137,7 +137,13 @@ std::string asked_text(const ScannedBus& bus) {
 
 std::string bus_text(const ScanResult& result, const ScannedBus& bus) {
   std::string text = bus.name + '\n';
-  if (!bus.acknowledged) {
+  if (bus.gone) {
+    text += "  GONE: look at its adapter, and whether it is up\n";
+  } else if (bus.off) {
+    text +=
+        "  OFF, after too many errors: look at its cable, termination and bit rate, then take it down and "
+        "up\n";
+  } else if (!bus.acknowledged) {
     text += "  NOTHING ACKNOWLEDGES frames here: look at power, cables, termination and bit rate\n";
   }
   if (bus.bus_errors > 0) {
@@ -242,6 +248,8 @@ std::string to_json(const ScanResult& result) {
     for (const ScannedNode& node : bus.expected) drivers.push_back(node_json(node));
     for (const ScannedNode& node : bus.unexpected) unexpected.push_back(node_json(node));
     json["buses"].push_back({{"name", bus.name},
+                             {"gone", bus.gone},
+                             {"off", bus.off},
                              {"acknowledged", bus.acknowledged},
                              {"bus_errors", bus.bus_errors},
                              {"drivers", drivers},

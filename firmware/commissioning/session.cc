@@ -7,6 +7,7 @@
 #include "firmware/commissioning/formatted.h"
 #include "firmware/control_loop/joint_names.h"
 #include "firmware/diagnostics/event_text.h"
+#include "hal/robot/robot_wiring.h"
 
 namespace stilt::commissioning {
 namespace {
@@ -57,8 +58,25 @@ void Session::disable() {
   }
 }
 
+std::string Session::bus_trouble() const {
+  for (unsigned bus = 0; bus < hal::kMaximumBuses; ++bus) {
+    const auto is = [bus](std::uint8_t buses) { return (buses >> bus & 1U) != 0; };
+    if (is(readings_.buses.gone)) {
+      return formatted("bus %u of hardware.buses is gone: look at its adapter, and whether it is up", bus);
+    }
+    if (is(readings_.buses.off)) {
+      return formatted(
+          "bus %u of hardware.buses is off, after too many errors: look at its cable, termination and bit "
+          "rate, then take it down and up",
+          bus);
+    }
+  }
+  return "";
+}
+
 std::string Session::trouble() const {
   if (stopped()) return "stopped";
+  if (const std::string found = bus_trouble(); !found.empty()) return found;
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) {
     if (const std::string found = driver_trouble(joint); !found.empty()) return found;
   }
@@ -119,6 +137,7 @@ std::string Session::stall_trouble() const {
 
 std::string Session::trouble_with_torque() const {
   if (stopped()) return "stopped";
+  if (const std::string found = bus_trouble(); !found.empty()) return found;  // it may carry the stop
   if (readings_.emergency_stop == hal::EmergencyStopState::pressed) return "emergency stop";
   if (readings_.emergency_stop == hal::EmergencyStopState::unknown) return "emergency stop is silent";
   for (const std::string& found : {stall_trouble(), trouble()}) {
@@ -139,8 +158,9 @@ std::expected<void, std::string> Session::bring_up() {
     if (progress.ready) return {};
     if (progress.failed) break;
   }
-  return std::unexpected(stopped() ? "stopped before the drivers were up"
-                                   : "the " + diagnostics::bring_up_text(progress));
+  if (stopped()) return std::unexpected("stopped before the drivers were up");
+  const std::string of_bus = bus_trouble();
+  return std::unexpected(of_bus.empty() ? "the " + diagnostics::bring_up_text(progress) : of_bus);
 }
 
 }  // namespace stilt::commissioning

@@ -67,8 +67,10 @@ class Session {
   [[nodiscard]] std::int64_t tick_ns() const noexcept { return tick_ns_; }
   [[nodiscard]] double tick_s() const noexcept { return 1e-9 * static_cast<double>(tick_ns_); }
   [[nodiscard]] hal::Clock& clock() noexcept { return clock_; }
-  /// What is wrong with stop, drivers or their replies; empty: nothing. A driver that was idle since its
-  /// bring-up, however briefly, gives no torque, or lost its settings: it stays named.
+  /// The first bus that is gone or off; empty: none is. Everything on it is silent.
+  [[nodiscard]] std::string bus_trouble() const;
+  /// What is wrong with stop, buses, drivers or their replies; empty: nothing. A driver that was idle since
+  /// its bring-up, however briefly, gives no torque, or lost its settings: it stays named.
   [[nodiscard]] std::string trouble() const;
   /// Why the torso's pitch is not current; empty: it is. For commands that need it.
   [[nodiscard]] std::string torso_trouble() const;

@@ -103,6 +103,7 @@ void command_robot(Test& test, commissioning::Session& session) {
       ++test.result.late_ticks;
     const bool base_is_new = session.readings().base.time_ns != newest_base_ns;
     if (tick > 0) count(test, session.readings(), base_is_new);  // the first command has no predecessor
+    if (test.result.bus_trouble.empty()) test.result.bus_trouble = session.bus_trouble();
     if (test.result.limit_trouble.empty()) test.result.limit_trouble = session.limit_trouble();
     forget(test);
     if (tick == ticks || test.stop.load()) break;

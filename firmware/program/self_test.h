@@ -51,6 +51,7 @@ struct SelfTestResult {
   bool emergency_stop_pressed = false;
   bool emergency_stop_silent = false;
   std::string limit_trouble;  ///< the first temperature or supply beyond its limit; empty: none
+  std::string bus_trouble;    ///< the first bus that was gone or off; empty: none
   hal::RobotReadings last;    ///< newest of all joints and of the torso
   long long bus_errors = 0;
   long long late_ticks = 0;  ///< later than limits.wakeup_latency_max_s

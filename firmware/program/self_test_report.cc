@@ -102,7 +102,9 @@ Check errors_of_buses(const SelfTestResult& result) {
   for (const long long of_joint : result.commands) commands += of_joint;
   const auto most =
       static_cast<long long>((1.0 - result.limits.answered_share) * static_cast<double>(commands));
-  return {"bus errors", result.bus_errors <= most, std::to_string(result.bus_errors),
+  const bool there = result.bus_trouble.empty();
+  return {"bus errors", there && result.bus_errors <= most,
+          (there ? "" : result.bus_trouble + "; ") + std::to_string(result.bus_errors),
           "at most " + std::to_string(most)};
 }
 
@@ -174,10 +176,9 @@ bool SelfTestResult::in_time_enough() const noexcept {
 
 std::vector<Check> SelfTestResult::checks() const {
   if (!failure.empty() || ticks == 0) return {};
-  std::vector<Check> all;
+  std::vector<Check> all{errors_of_buses(*this)};  // first: all that is on a bus is silent where it is gone
   for (std::size_t joint = 0; joint < hal::kJoints; ++joint) all.push_back(driver(*this, joint));
-  all.insert(all.end(),
-             {torso_sensor(*this), heat_and_supply(*this), emergency_stop(*this), errors_of_buses(*this)});
+  all.insert(all.end(), {torso_sensor(*this), heat_and_supply(*this), emergency_stop(*this)});
   if (limits.hangs) all.push_back(plumb(*this));
   if (lockstep) return all;
   all.insert(all.end(), {wakeup_check(*this), planner(*this), interrupt_threads(*this), idle_states(*this),

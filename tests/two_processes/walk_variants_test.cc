@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <thread>
 
 #include "tests/two_processes/protocols.h"
 #include "tests/two_processes/robot_and_controller.h"
@@ -187,6 +190,36 @@ TEST(TwoProcesses, ASelfTestWhosePlannerFindsNoPlanFails) {
   ASSERT_NE(planner, report.at("checks").end()) << run.said();
   EXPECT_EQ(planner->at("passed"), false);
   EXPECT_EQ(planner->at("limit").get<std::string>().find("at least 1 solves"), std::string::npos) << *planner;
+}
+
+/// Until a self-test commands the drivers: more frames than any bring-up has.
+void wait_for_commands(const RobotAndController& run) {
+  constexpr std::uintmax_t kBytes = 500'000;
+  constexpr std::chrono::milliseconds kStep{20};
+  std::error_code none_yet;
+  for (double waited_s = 0; waited_s < kLongestRun_s; waited_s += 0.02) {
+    const std::uintmax_t bytes = std::filesystem::file_size(run.file("frames"), none_yet);
+    if (!none_yet && bytes > kBytes) return;
+    std::this_thread::sleep_for(kStep);
+  }
+  ADD_FAILURE() << "no frames\n" << run.said();
+}
+
+TEST(TwoProcesses, ASelfTestWhoseBusesGoNamesThem) {
+  RobotAndController run;
+  run.start_robot({"--once", "--hang"});
+  run.start_self_test(
+      {"--seconds", "10", "--set", "runtime.planner_priority=0", "--set", "runtime.torque_priority=0"});
+  wait_for_commands(run);
+  run.end_robot();
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 1) << run.said();
+  const nlohmann::json report = run.controller_json();
+  ASSERT_FALSE(report.at("checks").empty()) << run.said();
+  const nlohmann::json& first = report.at("checks").at(0);
+  EXPECT_EQ(first.at("name"), "bus errors") << run.said();
+  EXPECT_TRUE(first.at("measured").get<std::string>().starts_with("bus 0 of hardware.buses is gone"))
+      << run.said();
 }
 
 /// A robot that stands or hangs, and what its self-test has to find.

@@ -8,6 +8,8 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "firmware/configuration/configuration.h"
@@ -118,18 +120,23 @@ class StillRobot final : public hal::Robot {
       joint.missed_replies = missed_replies;
       joint.state = state;
     }
+    readings.buses = buses;
+    readings.emergency_stop = emergency_stop;
   }
   [[nodiscard]] hal::JointBusStatus write(const hal::JointCommands&) noexcept override {
     return hal::JointBusStatus::ok;
   }
   [[nodiscard]] hal::JointBusStatus disable() noexcept override { return hal::JointBusStatus::ok; }
   void begin_bring_up() noexcept override {}
-  [[nodiscard]] hal::BringUpProgress bring_up(std::int64_t) noexcept override { return {.ready = true}; }
+  [[nodiscard]] hal::BringUpProgress bring_up(std::int64_t) noexcept override { return progress; }
   void restore_buses() noexcept override {}
 
   std::uint32_t missed_replies = 0;
   std::int64_t reading_age_ns = 0;
   hal::DriverState state = hal::DriverState::enabled;
+  hal::BusStates buses;
+  hal::EmergencyStopState emergency_stop = hal::EmergencyStopState::released;
+  hal::BringUpProgress progress{.ready = true};
 };
 
 TEST(Session, ALoopThatStoodStillWhileAJointHadTorqueIsTrouble) {
@@ -174,6 +181,34 @@ TEST(Session, ADriverThatReportsWhileNoCommandLeavesIsNotCalledSilent) {
   robot.reading_age_ns = (kSilentReads + 1) * kTick_ns;
   session.tick();
   EXPECT_EQ(session.trouble(), "driver of hip_L is silent");
+}
+
+/// All that is on it is silent, perhaps the emergency stop, too.
+TEST(Session, ABusThatIsGoneOrOffIsNamedBeforeWhatIsOnIt) {
+  const std::pair<hal::BusStates, std::string> rows[] = {
+      {{.gone = 1}, "bus 0 of hardware.buses is gone: "},
+      {{.off = 1, .gone = 2}, "bus 0 of hardware.buses is off, after too many errors: "},
+      {{.off = 2}, "bus 1 of hardware.buses is off, after too many errors: "},
+      {{.gone = 2}, "bus 1 of hardware.buses is gone: "}};
+  for (const auto& [buses, sentence] : rows) {
+    StillRobot robot;
+    TestClock clock;
+    const std::atomic<bool> stop = false;
+    Session session(robot, clock, kTick_ns, stop);
+    ASSERT_TRUE(session.bring_up());
+    session.tick();
+    EXPECT_EQ(session.trouble_with_torque(), "");
+    robot.buses = buses;
+    robot.missed_replies = kSilentReads + 1;
+    robot.emergency_stop = hal::EmergencyStopState::unknown;
+    session.tick();
+    EXPECT_TRUE(session.trouble().starts_with(sentence)) << session.trouble();
+    EXPECT_TRUE(session.trouble_with_torque().starts_with(sentence)) << session.trouble_with_torque();
+    robot.progress = {.failed = true, .failure = hal::bring_up::Failure::silent};
+    const auto up = session.bring_up();
+    ASSERT_FALSE(up);
+    EXPECT_TRUE(up.error().starts_with(sentence)) << up.error();
+  }
 }
 
 /// An AK of version 3 reports once that it has started again.

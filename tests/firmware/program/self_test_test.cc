@@ -69,6 +69,7 @@ TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
       {"emergency stop", [](SelfTestResult& r) { r.last.emergency_stop = hal::EmergencyStopState::absent; }},
       {"heat and supply", [](SelfTestResult& r) { r.limit_trouble = "hip_R is at 95 C"; }},
       {"bus errors", [](SelfTestResult& r) { r.bus_errors = 5; }},
+      {"bus errors", [](SelfTestResult& r) { r.bus_trouble = "bus 0 of hardware.buses is gone"; }},
       {"wake-up", [](SelfTestResult& r) { r.late_ticks = 2; }},
       {"planner", [](SelfTestResult& r) { r.limits.plan_period_s = 0.9e-3, r.planner_s = 0.09; }},
       {"planner", [](SelfTestResult& r) { r.solve = {}; }},
@@ -89,6 +90,16 @@ TEST(SelfTest, EachDefectFailsItsOwnCheckAlone) {
     EXPECT_FALSE(nlohmann::json::parse(to_json(result)).at("passed").get<bool>()) << name;
     EXPECT_FALSE(nlohmann::json::parse(to_json(result)).at("good").get<bool>()) << name;
   }
+}
+
+TEST(SelfTest, ABusThatIsGoneIsNamedBeforeTheDriversThatItSilences) {
+  SelfTestResult result = good();
+  result.bus_trouble = "bus 0 of hardware.buses is gone: look at its adapter";
+  result.answered[0] = result.in_time[0] = 100;
+  EXPECT_EQ(failed(result), (std::vector<std::string>{"bus errors", "hip_L"}));
+  EXPECT_TRUE(to_text(result).starts_with(
+      "FAILED  bus errors      bus 0 of hardware.buses is gone: look at its adapter; 0 (limit: at most "))
+      << to_text(result);
 }
 
 TEST(SelfTest, AnAbsentEmergencyStopPassesOnlyWhereThatIsAcceptedAndIsReported) {
