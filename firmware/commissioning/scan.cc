@@ -80,7 +80,7 @@ class BusScan {
     for (Candidate& candidate : expected_) {
       if (candidate.node.found.answered) read_settings(candidate);
     }
-    if (wiring_.pitch_encoder) start_encoder();
+    if (wiring_.pitch_encoder && !stop_) start_encoder();
     if (result_.acknowledged && protocols_.size() == 1) ask_others();
     if (!result_.acknowledged) result_.bus_errors = 0;
     result_.off = frames_.health() == hal::BusHealth::off;
@@ -211,9 +211,10 @@ class BusScan {
       static_cast<void>(frames_.send(std::span(&*question, 1)));  // what does not leave is not answered
       for (int step = 0; step < kForExpected.answer_steps && !answered_ && !stop_; ++step) take_step(nullptr);
     }
+    const hal::SettingReader& read = *std::exchange(reads_, nullptr);
+    if (stop_) return;  // what was not asked is not wrong
     candidate.node.settings =
-        hal::visit_driver(*reads_, [this](const auto& any) { return any.settings(listened_s_); });
-    reads_ = nullptr;
+        hal::visit_driver(read, [this](const auto& any) { return any.settings(listened_s_); });
   }
 
   [[nodiscard]] std::span<const hal::ChannelRow> channels() const {
@@ -312,9 +313,9 @@ class BusScan {
   }
 
   void ask_others() {
-    result_.asked_others = true;
     for (const hal::JointDriver& driver : hal::scan_others(expected_.front().driver)) {
-      if (stop_ || is_expected(driver) || uses_sensor_identifier(driver)) continue;
+      if (stop_) return;
+      if (is_expected(driver) || uses_sensor_identifier(driver)) continue;
       Candidate candidate{driver, node_of(driver, *protocols_.begin()), std::nullopt, {}};
       ask(candidate, kForOthers);
       if (!candidate.node.found.answered) continue;
@@ -323,6 +324,7 @@ class BusScan {
       });
       result_.unexpected.push_back(finished(candidate));
     }
+    result_.asked_others = !stop_;
   }
 
   [[nodiscard]] bool is_expected(const hal::JointDriver& driver) const {
@@ -364,12 +366,12 @@ class BusScan {
 }  // namespace
 
 bool ScanResult::complete() const noexcept {
-  return serial_sensor_trouble.empty() && std::ranges::all_of(buses, [](const ScannedBus& bus) {
-           return !bus.gone && !bus.off && bus.bus_errors == 0 && bus.torso_trouble.empty() &&
-                  std::ranges::all_of(bus.expected, &ScannedNode::good) &&
-                  std::ranges::all_of(bus.torso_sensor, &ScannedFrames::well) && bus.unexpected.empty() &&
-                  bus.unknown.empty();
-         });
+  return !stopped && serial_sensor_trouble.empty() && std::ranges::all_of(buses, [](const ScannedBus& bus) {
+    return !bus.gone && !bus.off && bus.bus_errors == 0 && bus.torso_trouble.empty() &&
+           std::ranges::all_of(bus.expected, &ScannedNode::good) &&
+           std::ranges::all_of(bus.torso_sensor, &ScannedFrames::well) && bus.unexpected.empty() &&
+           bus.unknown.empty();
+  });
 }
 
 ScanResult scan(const configuration::HardwareParameters& hardware,
@@ -379,6 +381,7 @@ ScanResult scan(const configuration::HardwareParameters& hardware,
   for (std::size_t bus = 0; bus < buses.size(); ++bus) {
     result.buses.push_back(BusScan(hardware, wanted, bus, *buses[bus], clock, stop).run());
   }
+  result.stopped = stop;
   return result;
 }
 

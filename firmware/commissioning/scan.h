@@ -80,13 +80,14 @@ struct ScannedBus {
   bool off = false;              ///< its controller took itself off
   bool acknowledged = true;      ///< frames leave: somebody acknowledges them
   std::uint64_t bus_errors = 0;  ///< while a driver was asked in vain; 0 where nothing acknowledges
-  bool asked_others = false;     ///< identifiers outside the configuration were asked, too
+  bool asked_others = false;     ///< all identifiers outside the configuration were asked, too
   std::set<int> asked;           ///< identifiers that were asked, or looked for where drivers report
 };
 
 /// What all buses have.
 struct ScanResult {
   std::vector<ScannedBus> buses;
+  bool stopped = false;  ///< before its end: something was not asked
   std::string
       serial_sensor_trouble;  ///< of a torso sensor on a serial port, set by who reads it; empty: none
   /// Everything that the configuration names is there, well, and often enough, and nothing else. Another

@@ -69,9 +69,10 @@ std::string undecoded_text(const ScannedNode& node) {
          ".protocol";
 }
 
-std::string expected_line(const ScannedNode& node) {
+std::string expected_line(const ScannedNode& node, bool stopped) {
   std::string text = "  " + std::string(kJointNames[*node.joint]) + " (" + node.protocol + " " +
                      std::to_string(node.id) + "): ";
+  if (!node.found.answered && stopped) return text + "no answer before the scan was stopped\n";
   if (!node.found.answered) {
     return text + "MISSING, no answer" + undecoded_text(node) + errors_text(node) + '\n' +
            settings_text(node);
@@ -151,7 +152,7 @@ std::string bus_text(const ScanResult& result, const ScannedBus& bus) {
         "  BUS ERRORS: " + std::to_string(bus.bus_errors) +
         " while a driver was asked in vain: several of one identifier, or cables, termination or bit rate\n";
   }
-  for (const ScannedNode& node : bus.expected) text += expected_line(node);
+  for (const ScannedNode& node : bus.expected) text += expected_line(node, result.stopped);
   for (const ScannedFrames& frames : bus.torso_sensor) {
     text += "  torso sensor: " + sensor_text(frames) + '\n';
   }
@@ -162,7 +163,7 @@ std::string bus_text(const ScanResult& result, const ScannedBus& bus) {
   }
   for (const ScannedFrames& frames : bus.unknown) text += "  UNKNOWN: " + frames_text(frames) + '\n';
   text += asked_text(bus);
-  if (bus.acknowledged && !bus.asked_others && !bus.expected.empty()) {
+  if (!result.stopped && bus.acknowledged && !bus.asked_others && !bus.expected.empty()) {
     text += "  drivers of several protocols: only those of the configuration were asked\n";
   }
   return text;
@@ -235,12 +236,15 @@ std::string to_text(const ScanResult& result) {
   for (const ScannedBus& bus : result.buses) text += bus_text(result, bus);
   text += exchanged_buses(result);
   if (!result.serial_sensor_trouble.empty()) text += result.serial_sensor_trouble + '\n';
+  if (result.stopped) return text + "not complete: stopped, and not everything was asked\n";
   return text + (result.complete() ? "complete\n" : "not complete, see above\n");
 }
 
 std::string to_json(const ScanResult& result) {
   Json json;
   json["good"] = json["complete"] = result.complete();
+  json["stopped"] = result.stopped;
+  if (result.stopped) json["error"] = "stopped";
   json["serial_sensor_trouble"] = result.serial_sensor_trouble;
   json["buses"] = Json::array();
   for (const ScannedBus& bus : result.buses) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/commissioning/formatted.h"
 #include "firmware/commissioning/session.h"
 #include "firmware/program/commissioning_requests.h"
 #include "firmware/program/commissioning_run.h"
@@ -106,7 +107,12 @@ void command_robot(Test& test, commissioning::Session& session) {
     if (test.result.bus_trouble.empty()) test.result.bus_trouble = session.bus_trouble();
     if (test.result.limit_trouble.empty()) test.result.limit_trouble = session.limit_trouble();
     forget(test);
-    if (tick == ticks || test.stop.load()) break;
+    if (tick < ticks && test.stop.load()) {
+      const double after_s = static_cast<double>(tick) * session.tick_s();
+      test.result.stopped =
+          commissioning::formatted("stopped after %.1f of %g s", after_s, test.options.self_test_s);
+    }
+    if (tick == ticks || !test.result.stopped.empty()) break;
     static_cast<void>(hardware.write({}));
     const std::int64_t sent_ns = test.clock.now_ns();
     const auto wait_ns = std::llround(kReplyShare * static_cast<double>(session.tick_ns()));

@@ -39,6 +39,7 @@ struct Check {
 struct SelfTestResult {
   SelfTestLimits limits;
   std::string failure;  ///< why the test could not be done; empty: it was
+  std::string stopped;  ///< when, of which time; empty: it was not
   long long ticks = 0;
   std::array<long long, hal::kJoints> commands{};  ///< that left; others found the one before still waiting
   std::array<long long, hal::kJoints> answered{};  ///< replies in all

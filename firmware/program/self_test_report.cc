@@ -188,7 +188,7 @@ std::vector<Check> SelfTestResult::checks() const {
 
 bool SelfTestResult::passed() const {
   const std::vector<Check> all = checks();
-  return !all.empty() && std::ranges::all_of(all, &Check::passed);
+  return stopped.empty() && !all.empty() && std::ranges::all_of(all, &Check::passed);
 }
 
 std::string to_text(const SelfTestResult& result) {
@@ -206,6 +206,7 @@ std::string to_text(const SelfTestResult& result) {
   }
   if (result.round_trip.count() > 0) text += "round trip " + text_of(result.round_trip) + '\n';
   if (result.passed()) return text + "passed\n";
+  if (!result.stopped.empty()) return text + "failed: " + result.stopped + '\n';
   if (result.answered_enough() && !result.in_time_enough()) {
     return text + "failed: the drivers answer, but too late; wake-up and round trip show what is late\n";
   }
@@ -219,7 +220,8 @@ std::string to_json(const SelfTestResult& result) {
   };
   nlohmann::ordered_json json;
   json["good"] = json["passed"] = result.passed();
-  if (!result.failure.empty()) json["failure"] = json["error"] = result.failure;
+  const std::string& error = result.failure.empty() ? result.stopped : result.failure;
+  if (!error.empty()) json["failure"] = json["error"] = error;
   json["checks"] = nlohmann::ordered_json::array();
   for (const Check& check : result.checks()) {
     json["checks"].push_back({{"name", check.name},

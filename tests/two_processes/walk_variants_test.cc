@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <thread>
 
@@ -220,6 +221,21 @@ TEST(TwoProcesses, ASelfTestWhoseBusesGoNamesThem) {
   EXPECT_EQ(first.at("name"), "bus errors") << run.said();
   EXPECT_TRUE(first.at("measured").get<std::string>().starts_with("bus 0 of hardware.buses is gone"))
       << run.said();
+}
+
+/// As a broken connection of ssh does.
+TEST(TwoProcesses, ASelfTestThatIsStoppedHasNotPassed) {
+  RobotAndController run;
+  run.start_robot({"--lockstep", "--once"});
+  run.start_self_test({"--lockstep", "--seconds", "600"});
+  wait_for_commands(run);
+  run.controller().signal(SIGHUP);
+  run.expect_both_to_end();
+  EXPECT_EQ(run.controller().wait(0), 1) << run.said();
+  const nlohmann::json report = run.controller_json();
+  EXPECT_EQ(report.at("good"), false);
+  EXPECT_TRUE(report.at("error").get<std::string>().starts_with("stopped after ")) << run.said();
+  EXPECT_FALSE(report.at("checks").empty()) << run.said();
 }
 
 /// A robot that stands or hangs, and what its self-test has to find.

@@ -44,9 +44,9 @@ class FailingBus final : public hal::FrameBus {
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-/// From the start, and while drivers are asked.
+/// From the start, and once the drivers of the configuration have answered.
 TEST(ScanBus, OneThatIsGoneOrOffIsNamedBeforeTheDriversThatItSilences) {
-  for (const std::int64_t after_ns : {0LL, 250'000'000LL}) {
+  for (const std::int64_t after_ns : {0LL, 265'000'000LL}) {
     for (const bool gone : {true, false}) {
       HangingRobot robot;
       FailingBus failing(robot, 0, robot.now_ns() + after_ns);
@@ -64,6 +64,37 @@ TEST(ScanBus, OneThatIsGoneOrOffIsNamedBeforeTheDriversThatItSilences) {
       EXPECT_EQ(json["buses"][1]["gone"], false);
     }
   }
+}
+
+/// While it listens, between two drivers of the configuration, and while others are asked.
+TEST(ScanBus, AScanThatIsStoppedIsNotCompleteAndTakesNoDriverForMissing) {
+  HangingRobot whole;
+  const std::int64_t began_ns = whole.now_ns();
+  const auto scanned = [](HangingRobot& robot) {
+    return scan(robot.configuration.hardware, robot.wanted(), robot.frame_buses(), robot, robot.stop);
+  };
+  ASSERT_TRUE(scanned(whole).complete());
+  const std::int64_t all_ns = whole.now_ns() - began_ns;
+  for (const std::int64_t after_ns :
+       {std::int64_t{50'000'000}, std::int64_t{225'000'000}, all_ns - 10'000'000}) {
+    HangingRobot robot;
+    const std::int64_t until_ns = robot.now_ns() + after_ns;
+    robot.each_tick = [&robot, until_ns] {
+      if (robot.now_ns() >= until_ns) robot.stop = true;
+    };
+    const ScanResult result = scanned(robot);
+    EXPECT_FALSE(result.complete()) << after_ns;
+    const std::string text = to_text(result);
+    EXPECT_TRUE(text.ends_with("\nnot complete: stopped, and not everything was asked\n")) << text;
+    EXPECT_FALSE(has(text, "MISSING, no answer")) << text;
+    EXPECT_FALSE(has(text, "SETTING")) << text;
+    EXPECT_FALSE(has(text, "drivers of several protocols")) << text;
+    EXPECT_FALSE(result.buses[1].asked_others) << after_ns;
+    const auto json = nlohmann::json::parse(to_json(result));
+    EXPECT_EQ(json["good"], false);
+    EXPECT_EQ(json["error"], "stopped");
+  }
+  EXPECT_FALSE(nlohmann::json::parse(to_json(scanned(whole))).contains("error"));
 }
 
 }  // namespace

@@ -102,6 +102,18 @@ TEST(SelfTest, ABusThatIsGoneIsNamedBeforeTheDriversThatItSilences) {
       << to_text(result);
 }
 
+TEST(SelfTest, OneThatIsStoppedHasItsMeasurementsAndHasNotPassed) {
+  SelfTestResult result = good();
+  result.stopped = "stopped after 0.1 of 60 s";
+  EXPECT_EQ(failed(result), std::vector<std::string>{});
+  EXPECT_FALSE(result.passed());
+  EXPECT_TRUE(to_text(result).ends_with("\nfailed: stopped after 0.1 of 60 s\n")) << to_text(result);
+  EXPECT_NE(to_text(result).find("knee_L at 0.250 rad"), std::string::npos) << to_text(result);
+  const auto json = nlohmann::json::parse(to_json(result));
+  EXPECT_EQ(json.at("good"), false);
+  EXPECT_EQ(json.at("error"), "stopped after 0.1 of 60 s");
+}
+
 TEST(SelfTest, AnAbsentEmergencyStopPassesOnlyWhereThatIsAcceptedAndIsReported) {
   SelfTestResult result = good();
   result.last.emergency_stop = hal::EmergencyStopState::absent;
