@@ -43,7 +43,8 @@ void HeuristicReference::follow_gait(double time_s, int phase, ReferencePoint& p
 
   model::NodeTerms<double> terms;
   model_->node(point.state.data(), point.input.data(), model_->constants.joint_parameters, terms);
-  // A foot that lands to stand for good has the heuristics' place: as the gait lands it, the feet come together.
+  // A foot that lands to stand for good has the heuristics' place: as the gait lands it, the feet come
+  // together.
   const bool stays = phase + 1 < schedule_->count() &&
                      schedule_->foot_interval(phase + 1, swing).end_s == ContactSchedule::kNever_s;
   for (int i = stays ? 1 : 0; i < 2; ++i) {
