@@ -51,6 +51,7 @@ void Session::tick(const hal::JointCommands& commands) {
 }
 
 void Session::disable() {
+  is_up_ = false;
   for (int tick = 0; tick < kLastTicks; ++tick) {
     begin_tick();
     static_cast<void>(robot_.disable());
