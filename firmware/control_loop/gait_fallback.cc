@@ -41,10 +41,12 @@ void GaitFallback::tick(const control::SensorReading& reading, const Beside& pla
 
 bool GaitFallback::awaits_touch_down(const control::Plan& plan, double time_s,
                                      model::ContactMode now) const noexcept {
+  const bool lands_now = now.count() == 1 && !(now == planned_);  // the plan may have no later touch-down
   const auto lands = [&](const control::PlanNode& node) {
     return node.time_s > time_s && node.mode.count() == 1 && !(node.mode == now);
   };
-  return awaits_touch_down_ && std::any_of(plan.node.begin(), plan.node.begin() + plan.nodes, lands);
+  return awaits_touch_down_ &&
+         (lands_now || std::any_of(plan.node.begin(), plan.node.begin() + plan.nodes, lands));
 }
 
 /// A gait begins with one foot on the ground that was not there before; while both are, it waits.

@@ -144,6 +144,14 @@ TEST(Fallback, TheGaitTakesOverAtATouchDown) {
   }
 }
 
+/// A short plan ends soon after the touch-down at which the gait is to take over: on the foot that landed.
+TEST(Fallback, TheGaitTakesOverAtTheLastTouchDownOfAPlan) {
+  SimulatedRun run(walking(0.5, 0.6, 10.0));
+  run.settings.planner_until_s = 4.1;
+  const log::RunRecord record = run.run();
+  EXPECT_TRUE(record.summary.survived) << describe(run, record);
+}
+
 /// Without a planner: on the gait for planner_lost_s, in place, then it sits. There the run ends, as with a
 /// fall.
 TEST(Fallback, ALostPlannerEndsSitting) {
