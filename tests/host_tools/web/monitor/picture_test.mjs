@@ -115,6 +115,19 @@ test('a planned foothold is a hollow triangle in the colour of its foot, where t
   assert.match(places[0][3], /fill="none"/);
 });
 
+test('an arc of a saved picture runs clockwise, as that of a canvas', async () => {
+  const source = readFileSync(new URL('../../../../host_tools/web/page/svg_context.js', import.meta.url), 'utf-8');
+  const context = new Function(`${source}\nreturn new SvgContext(20, 20);`)();
+  context.arc(0, 0, 10, 0, Math.PI / 2);
+  const [radius, angle] = await page.evaluate((data) => {
+    const path = document.createElementNS('http://www.w3.org/2000/svg', 'path');
+    path.setAttribute('d', data);
+    const { x, y } = path.getPointAtLength(path.getTotalLength() / 4);
+    return [Math.hypot(x, y), Math.atan2(y, x)];
+  }, context.path);
+  assert.ok(Math.abs(radius - 10) < 0.05 && Math.abs(angle - Math.PI / 8) < 0.01, `${radius}, ${angle} rad`);
+});
+
 test('PNG and SVG show what the stage shows', async () => {
   await walkAndPause();
   const png = await saved('#save-png');
