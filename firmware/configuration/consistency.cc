@@ -72,10 +72,35 @@ void check_gait(const Parameters& p, std::vector<Contradiction>& found) {
                          " must be below gait.stand_half_width_m = " + number_text(gait.stand_half_width_m) +
                          ": no place between the feet would be free of steps"});
   }
-  if (p.estimator.blend_s > gait.single_support_s) {
+  // A foot that swings would count as standing.
+  constexpr double kBlendShare = 0.4;
+  if (p.estimator.blend_s > kBlendShare * gait.single_support_s + kRounding) {
     found.push_back({{"estimator.blend_s", "gait.single_support_s"},
                      "estimator.blend_s = " + number_text(p.estimator.blend_s) +
-                         " must be at most gait.single_support_s = " + number_text(gait.single_support_s)});
+                         " must be at most 0.4 gait.single_support_s = " +
+                         number_text(kBlendShare * gait.single_support_s)});
+  }
+}
+
+/// Over a time step h with the acceleration held, a stance foot has v <- (1 - kd h) v. A swinging one has
+/// p <- p + h v + h^2 a / 2, v <- v + h a with a = -kp p - kd v. Stable where kd h < 2, and kp h < 2 kd.
+void check_foot_gains(const Parameters& p, std::vector<Contradiction>& found) {
+  const auto& gains = p.equality;
+  const double h_s = p.discretisation.time_step_s;
+  for (const auto& [key, kd_1_s] : {std::pair{"equality.stance_kd_1_s", gains.stance_kd_1_s},
+                                    std::pair{"equality.swing_kd_1_s", gains.swing_kd_1_s}}) {
+    if (kd_1_s * h_s < 2.0) continue;
+    found.push_back({{key, "discretisation.time_step_s"},
+                     std::string(key) + " = " + number_text(kd_1_s) +
+                         " must be below 2 / discretisation.time_step_s = " + number_text(2.0 / h_s) +
+                         ": the velocity of the planned foot would grow from step to step"});
+  }
+  if (gains.swing_kp_1_s2 * h_s > 2.0 * gains.swing_kd_1_s) {
+    found.push_back({{"equality.swing_kp_1_s2", "equality.swing_kd_1_s", "discretisation.time_step_s"},
+                     "equality.swing_kp_1_s2 = " + number_text(gains.swing_kp_1_s2) +
+                         " must be at most 2 equality.swing_kd_1_s / discretisation.time_step_s = " +
+                         number_text(2.0 * gains.swing_kd_1_s / h_s) +
+                         ": the planned foot would swing more and more"});
   }
 }
 
@@ -210,6 +235,7 @@ std::vector<Contradiction> contradictions(const Configuration& parameters) {
   check_times(parameters, found);
   check_report_age(parameters, found);
   check_line_search(parameters, found);
+  check_foot_gains(parameters, found);
   check_hardware(parameters.hardware, found);
   check_torso_range(parameters.hardware, parameters.supervisor, found);
   check_gains(parameters.hardware, parameters.supervisor, found);

@@ -151,7 +151,7 @@ TEST(Consistency, EachOtherContradictionNamesItsKeyFirst) {
                  p.gait.swing_height_m = 0.03;
                }),
                "gait.touchdown_velocity_m_s");
-  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.estimator.blend_s = 0.45; }), "estimator.blend_s");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.estimator.blend_s = 0.11; }), "estimator.blend_s");
   EXPECT_PRED2(starts, complaint([](Parameters& p) {
                  p.sqp.filter_violation_max = 1e-6, p.sqp.filter_violation_min = 1e-3;
                }),
@@ -161,6 +161,13 @@ TEST(Consistency, EachOtherContradictionNamesItsKeyFirst) {
                  p.discretisation.horizon_s = 0.05;
                }),
                "discretisation.horizon_s");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.equality.stance_kd_1_s = 134; }),
+               "equality.stance_kd_1_s");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.equality.swing_kd_1_s = 134; }),
+               "equality.swing_kd_1_s");
+  EXPECT_PRED2(starts, complaint([](Parameters& p) { p.equality.swing_kp_1_s2 = 2700; }),
+               "equality.swing_kp_1_s2");
+  EXPECT_EQ(complaint([](Parameters& p) { p.equality = {133, 2600, 20, 1e-3}; }), "");
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ TEST(Preset, MistakesOfTheFileKeepTheirPlaceAndComeFirst) {
 
 TEST(Preset, AContradictionIsReportedAtThePresetRatherThanAtTheFile) {
   const Result result =
-      parse("[gait]\nsingle_support_s = 0.5\n[estimator]\nblend_s = 0.45\n", "robot.toml", {}, "paper");
+      parse("[gait]\nsingle_support_s = 0.5\n[estimator]\nblend_s = 0.18\n", "robot.toml", {}, "paper");
   ASSERT_FALSE(result);
   EXPECT_EQ(to_string(result.error()).find("firmware/configuration/presets/paper.toml:4:20: "), 0u)
       << to_string(result.error());

@@ -23,21 +23,31 @@ TEST(PlantSensors, SensorsShowTheJointsAndThePitchAndNothingElse) {
   EXPECT_EQ(reading.base_pitch_rate_rad_s, state[9]);
 }
 
-TEST(PlantSensors, SensorNoiseHasItsStandardDeviationAndFollowsTheSeed) {
+TEST(PlantSensors, TheNoiseOfEachSensorHasItsStandardDeviationAndFollowsTheSeed) {
   PlantOptions options;
   options.encoder_noise_rad = 0.01;
+  options.encoder_velocity_noise_rad_s = 0.3;
+  options.base_pitch_noise_rad = 0.02;
+  options.base_pitch_rate_noise_rad_s = 0.2;
   Plant plant = amber_plant(options, 3), same = amber_plant(options, 3), other = amber_plant(options, 4);
   for (Plant* each : {&plant, &same, &other}) each->set_state(tumbling());
   constexpr int kReadings = 20000;
-  double squares = 0.0;
+  const StateVector state = tumbling();
+  double angle = 0.0, speed = 0.0, pitch = 0.0, rate = 0.0;  // squares
   bool differs = false;
   for (int i = 0; i < kReadings; ++i) {
-    const JointVector noisy = plant.read_sensors().joint_position_rad;
-    squares += (noisy - JointVector(tumbling().segment<4>(3))).squaredNorm();
-    EXPECT_EQ(noisy, same.read_sensors().joint_position_rad);
-    differs = differs || noisy != other.read_sensors().joint_position_rad;
+    const control::SensorReading noisy = plant.read_sensors();
+    angle += (noisy.joint_position_rad - JointVector(state.segment<4>(3))).squaredNorm() / 4.0;
+    speed += (noisy.joint_velocity_rad_s - JointVector(state.tail<4>())).squaredNorm() / 4.0;
+    pitch += std::pow(noisy.base_pitch_rad - state[2], 2);
+    rate += std::pow(noisy.base_pitch_rate_rad_s - state[9], 2);
+    EXPECT_EQ(noisy.joint_position_rad, same.read_sensors().joint_position_rad);
+    differs = differs || noisy.joint_position_rad != other.read_sensors().joint_position_rad;
   }
-  EXPECT_NEAR(std::sqrt(squares / (4.0 * kReadings)), 0.01, 1e-4);
+  EXPECT_NEAR(std::sqrt(angle / kReadings), 0.01, 1e-4);
+  EXPECT_NEAR(std::sqrt(speed / kReadings), 0.3, 3e-3);
+  EXPECT_NEAR(std::sqrt(pitch / kReadings), 0.02, 4e-4);
+  EXPECT_NEAR(std::sqrt(rate / kReadings), 0.2, 4e-3);
   EXPECT_TRUE(differs);
 }
 
