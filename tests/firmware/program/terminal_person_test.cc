@@ -51,6 +51,9 @@ TEST(TerminalPerson, WhatWasTypedBeforeAQuestionDoesNotAnswerIt) {
   type(terminal, "third\n");
   person->ask("question");
   EXPECT_EQ(person->answer(), std::nullopt);
+  type(terminal, "half\x04");  // Ctrl-D: a terminal gives what there is of the line
+  EXPECT_EQ(person->answer(), std::nullopt);
+  person->ask("question");
   type(terminal, "fourth\n");
   EXPECT_EQ(person->answer(), "fourth");
 }
