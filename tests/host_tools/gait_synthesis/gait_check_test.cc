@@ -224,6 +224,13 @@ TEST(Check, FindsACoefficientThatWasTamperedWith) {
   EXPECT_TRUE(violates(record, "periodicity"));
 }
 
+TEST(Check, AGaitThatFallsInItsReplayHasNoFiniteError) {
+  GaitRecord record = walking_record();
+  for (double& coefficient : record.gait.motion.position[2]) coefficient += 1.5;  // the pitch
+  EXPECT_TRUE(violates(record, "replay"));
+  EXPECT_TRUE(std::isinf(check_gait(testing_support::amber3m(), record).metrics.replay_error_max));
+}
+
 TEST(Check, FindsAGaitThatFallsWhenDisturbedOrIsUnstable) {
   GaitRecord record = stepping_record();
   std::fill(std::begin(record.gait.feedback.placement), std::end(record.gait.feedback.placement), 0.0);
