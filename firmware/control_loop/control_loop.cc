@@ -304,7 +304,7 @@ void ControlLoop::send(supervisor::Action action, std::int64_t now_ns) noexcept 
       break;
     case supervisor::Action::silent:
       write_status_ = hal::JointBusStatus::ok;
-      if (supervisor_.output().state == State::calibrate && !bring_up_.failed) bring_up(now_ns);
+      if (supervisor_.output().state == State::calibrate) bring_up(now_ns);
       break;
   }
 }
