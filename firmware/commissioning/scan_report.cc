@@ -120,7 +120,7 @@ std::string ranges_text(const std::set<int>& numbers) {
   for (auto next = numbers.begin(); next != numbers.end();) {
     const int first = *next;
     int last = first;
-    while (++next != numbers.end() && *next == last + 1) last = *next;
+    for (++next; next != numbers.end() && *next == last + 1; ++next) last = *next;
     text += (text.empty() ? "" : ", ") + std::to_string(first);
     if (last > first) text += " to " + std::to_string(last);
   }
