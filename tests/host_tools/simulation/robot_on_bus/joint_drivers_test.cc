@@ -61,6 +61,14 @@ TEST_P(JointDriversOf, ATorqueFactorIsOfTheMotorAndTheControllerMakesUpForIt) {
   EXPECT_NEAR(turns * driven.robot.drivers().driver(kHipRight).torque_Nm(), 12.5, 0.5);
 }
 
+TEST(JointDrivers, AllAreEnabledUntilOneStartsAgain) {
+  DrivenRobot driven(drivers("mit_damiao", "6"));
+  ASSERT_TRUE(driven.enable());
+  EXPECT_TRUE(driven.robot.drivers().all_enabled());
+  driven.robot.drivers().driver(2).power_cycle();
+  EXPECT_FALSE(driven.robot.drivers().all_enabled());
+}
+
 TEST_P(JointDriversOf, TheMotionOfTheJointComesBack) {
   DrivenRobot driven(drivers(GetParam(), "6"));
   ASSERT_TRUE(driven.enable());
