@@ -139,6 +139,23 @@ TEST(TorsoSensorTable, FramesThatDoNotFitAreNamed) {
   EXPECT_EQ(decode(std::span(&field, 1), frame, values), DecodeStatus::not_addressed);
 }
 
+TEST(TorsoSensorTable, FieldsOverlapByTheirBitsInAFrame) {
+  const ChannelRow low = row(ByteOrder::little, RawType::unsigned_integer, 0, 12);
+  ChannelRow high = row(ByteOrder::little, RawType::unsigned_integer, 1, 12);
+  high.bit_offset = 4;
+  ChannelRow between = row(ByteOrder::little, RawType::unsigned_integer, 1, 4);
+  between.bit_offset = 3;
+  EXPECT_FALSE(overlap(low, high)) << "they share a byte";
+  EXPECT_TRUE(overlap(low, between));
+  EXPECT_TRUE(overlap(between, high));
+  ChannelRow other = low;
+  other.id = low.id + 1;
+  EXPECT_FALSE(overlap(low, other));
+  other = low;
+  other.extended = !low.extended;
+  EXPECT_FALSE(overlap(low, other));
+}
+
 TEST(TorsoSensorTable, RowsWithoutSenseAreRefused) {
   EXPECT_FALSE(valid(row(ByteOrder::little, RawType::float32, 0, 31)));
   EXPECT_FALSE(valid(row(ByteOrder::little, RawType::signed_integer, 0, 0)));
